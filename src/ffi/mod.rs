@@ -1,0 +1,37 @@
+//! The C ABI: one file a header of `include/libdeltarobot/`.
+//!
+//! A function here converts its pointers, calls [`crate::deltarobot`] and maps the answer, no more.
+//!
+//! What all of them rely on, and what C callers therefore have to keep to:
+//!
+//! - A pointer is NULL, which is answered with `DP_RC_ERROR_GENERIC`, or it points to a whole object of its type,
+//!   aligned and writable where it is not `const`. The objects behind two arguments of a call do not overlap.
+//! - Contents may be anything, uninitialised memory included.
+//! - A call has its objects to itself: they are not touched by another thread or an interrupt while it runs.
+//!   Different objects can be used at the same time.
+//! - No reference to a caller's object is held while one of the caller's callbacks runs: a callback may call
+//!   the library on the same objects.
+//!
+//! A function whose arguments depend on the sizes in [`crate::config`] is exported twice: under its plain name, for
+//! programs compiled with the original's header, and under a name that tells the sizes, for those
+//! compiled with ours, so that a program and a library of different sizes do not link.
+
+pub mod protocol;
+pub mod protocol_ext;
+
+/// Exports a function under the name that tells the sizes, e.g. `dp_recv_128_32`.
+///
+/// The plain function is inlined here, which makes the two the same to the last instruction, and so the compiler
+/// makes them one: two symbols at one address.
+macro_rules! sized_alias {
+    ($name:ident($($arg:ident: $type:ty),*) -> $result:ty) => {
+        const _: () = {
+            #[unsafe(export_name = concat!(stringify!($name), "_", env!("DP_SIZES")))]
+            unsafe extern "C" fn sized($($arg: $type),*) -> $result {
+                // SAFETY: the caller keeps to the contract of the plain function, which this one is.
+                unsafe { $name($($arg),*) }
+            }
+        };
+    };
+}
+use sized_alias;

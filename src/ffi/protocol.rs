@@ -1,0 +1,269 @@
+//! `protocol.h`: the original's API, spelled as there (facts: the specification, section "Interface").
+
+use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
+use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::slice;
+
+use super::sized_alias;
+use crate::config::DP_DATA_MAX_SIZE;
+use crate::deltarobot::{FRAME_MAX, Frame, NoFrame, Opcode, Ring, encode};
+
+/// The operation completed.
+pub const DP_RC_SUCCESS: c_int = 0;
+/// A NULL pointer or a size out of range: nothing was done.
+pub const DP_RC_ERROR_GENERIC: c_int = 1;
+/// No frame is complete yet.
+pub const DP_RC_NO_FRAME: c_int = 2;
+/// The ring was too full: its oldest bytes, or bytes that it can't hold at all, were lost.
+pub const DP_RC_OVERFLOW: c_int = 3;
+/// Bytes that can't be part of a frame were thrown away, and no frame is complete yet.
+pub const DP_RC_GARBAGE: c_int = 4;
+
+/// State of the platform: idle.
+pub const DP_STATUS_IDLE: c_int = 0;
+/// State of the platform: homing.
+pub const DP_STATUS_HOMING: c_int = 1;
+/// State of the platform: moving.
+pub const DP_STATUS_MOVING: c_int = 2;
+/// State of the platform: at error.
+pub const DP_STATUS_ERROR: c_int = 3;
+
+/// The bits of STAT that hold the state.
+pub const DP_BIT_STAT_STATUS_BITS: c_int = 0x03;
+/// STAT's state bits: idle.
+pub const DP_BIT_STAT_STATUS_IDLE: c_int = 0;
+/// STAT's state bits: homing.
+pub const DP_BIT_STAT_STATUS_HOMING: c_int = 1;
+/// STAT's state bits: moving.
+pub const DP_BIT_STAT_STATUS_MOVING: c_int = 2;
+/// STAT's state bits: at error.
+pub const DP_BIT_STAT_STATUS_ERROR: c_int = 3;
+/// An end stop's bit, shifted down: pressed.
+pub const DP_BIT_STAT_STOP_PRESSED: c_int = 1;
+/// An end stop's bit, shifted down: not pressed.
+pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
+
+/// What `opcode` becomes when no frame was received: never the opcode of one.
+const NO_OPCODE: c_uchar = 0xFF;
+
+/// One message: what a frame carries.
+#[derive(Debug)]
+#[repr(C)]
+pub struct ProtocolMsg {
+    /// What the message is, one of `DP_OPCODE_*`; 0xFF after a call that received none.
+    pub opcode: c_uchar,
+    /// Number of bytes in data, 0 to `DP_DATA_MAX_SIZE`.
+    pub data_s: c_int,
+    /// The payload. Receiving leaves the bytes from `data_s` on as they are.
+    pub data: [c_char; DP_DATA_MAX_SIZE],
+    /// 1 in a received message. Ignored when sending.
+    pub checksum_ok: c_int,
+}
+
+/// The payload of a status report as the shipped firmware lays it out: 16 bytes with the padding behind STAT.
+#[derive(Debug)]
+#[repr(C)]
+#[expect(non_snake_case, reason = "the original's names")]
+pub struct StatusReport {
+    /// Displacement of arm A; a NaN when unknown.
+    pub DA: c_float,
+    /// Displacement of arm B; a NaN when unknown.
+    pub DB: c_float,
+    /// Displacement of arm C; a NaN when unknown.
+    pub DC: c_float,
+    /// State and end stops, see `DP_BIT_STAT_*`.
+    pub STAT: c_uchar,
+}
+
+/// The payload of a move request: 12 bytes.
+#[derive(Debug)]
+#[repr(C)]
+#[expect(non_snake_case, reason = "the original's names")]
+pub struct Position {
+    /// Displacement of arm A.
+    pub DA: c_float,
+    /// Displacement of arm B.
+    pub DB: c_float,
+    /// Displacement of arm C.
+    pub DC: c_float,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const fn align_up(size: usize) -> usize {
+        size.next_multiple_of(align_of::<c_int>())
+    }
+    assert!(align_of::<ProtocolMsg>() == align_of::<c_int>());
+    assert!(offset_of!(ProtocolMsg, opcode) == 0);
+    assert!(offset_of!(ProtocolMsg, data_s) == align_up(1));
+    assert!(offset_of!(ProtocolMsg, data) == align_up(1) + INT);
+    assert!(offset_of!(ProtocolMsg, checksum_ok) == align_up(1) + INT + align_up(DP_DATA_MAX_SIZE));
+    assert!(size_of::<ProtocolMsg>() == align_up(1) + INT + align_up(DP_DATA_MAX_SIZE) + INT);
+
+    assert!(offset_of!(Position, DA) == 0 && offset_of!(Position, DB) == 4 && offset_of!(Position, DC) == 8);
+    assert!(size_of::<Position>() == 12);
+    assert!(offset_of!(StatusReport, DA) == 0 && offset_of!(StatusReport, DB) == 4);
+    assert!(offset_of!(StatusReport, DC) == 8 && offset_of!(StatusReport, STAT) == 12);
+    assert!(size_of::<StatusReport>() == (12 + 1_usize).next_multiple_of(align_of::<c_float>()));
+};
+
+/// Writes a whole frame of `bytes` bytes somewhere; `usr` is what `dp_send` was given. `dp_send` returns its result.
+/// The frame may be changed, and is gone when the function returns.
+pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
+
+/// Adds received bytes at the ring's end.
+///
+/// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
+/// taken. A ring whose fields are out of range counts as empty.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
+/// negative, or buf is NULL and bytes is not 0.
+///
+/// # Safety
+///
+/// data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is
+/// NULL or points to that many readable bytes, none of them in the ring.
+///
+/// cbindgen:postfix=DP_SIZED("dp_process")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
+    // SAFETY: both are as the contract of this function asks.
+    let (Some(ring), Some(input)) = (unsafe { data.as_mut() }, unsafe { bytes_of(buf, bytes) }) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    match ring.append(input) {
+        Ok(()) => DP_RC_SUCCESS,
+        Err(_) => DP_RC_OVERFLOW,
+    }
+}
+sized_alias!(dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int);
+
+/// Takes the next message out of the ring.
+///
+/// An incomplete frame at the ring's start is waited for, whatever stands behind it; bytes that can't be part
+/// of a frame are thrown away.
+///
+/// Returns `DP_RC_SUCCESS` and the message, `DP_RC_NO_FRAME` when more bytes are needed, `DP_RC_GARBAGE` when more are
+/// needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode`
+/// is set to 0xFF and the rest of msg is left as it was.
+///
+/// # Safety
+///
+/// Each pointer is NULL or points to a struct that no other thread or interrupt touches during the call; the
+/// structs do not overlap.
+///
+/// cbindgen:postfix=DP_SIZED("dp_recv")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: both are as the contract of this function asks.
+    unsafe { receive(data, msg, Ring::next_frame) }
+}
+sized_alias!(dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+
+/// Sends a message: calls sendfunc once, with the whole frame and usr.
+///
+/// The opcode is not checked. sendfunc may call the library on the same message.
+///
+/// Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
+/// is outside 0 to `DP_DATA_MAX_SIZE`.
+///
+/// # Safety
+///
+/// msg is NULL or points to a struct that no other thread or interrupt changes during the call. sendfunc can be called
+/// with usr.
+///
+/// cbindgen:postfix=DP_SIZED("dp_send")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
+    let Some(sendfunc) = sendfunc else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    if msg.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
+    // SAFETY: not NULL, so a message by the contract of this function; the slice is used before sendfunc is called,
+    // and bytes_of() refuses lengths that data does not have.
+    let encoded = unsafe {
+        let payload = match (*msg).data_s {
+            length if length <= const { int(DP_DATA_MAX_SIZE) } => bytes_of((&raw const (*msg).data).cast(), length),
+            _ => None,
+        };
+        payload.and_then(|payload| encode(Opcode((*msg).opcode), payload, &mut frame))
+    };
+    match encoded {
+        // SAFETY: as the contract of this function asks; encode() wrote that many bytes of the frame.
+        Some(length) => unsafe { sendfunc(frame.as_mut_ptr().cast(), int(length), usr) },
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int);
+
+/// Receives with `next`, one of [`Ring`]'s searches.
+///
+/// # Safety
+///
+/// As for [`dp_recv`].
+#[inline(always)]
+pub(super) unsafe fn receive(
+    data: *mut Ring,
+    msg: *mut ProtocolMsg,
+    next: impl FnOnce(&mut Ring) -> Result<Frame<'_>, NoFrame>,
+) -> c_int {
+    if msg.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: NULL, or a ring by the caller's contract.
+    let result = match unsafe { data.as_mut() }.map(next) {
+        Some(Ok(frame)) => {
+            // SAFETY: msg is not NULL, so a message by the caller's contract, which lies outside the ring.
+            unsafe { write_message(msg, &frame) };
+            return DP_RC_SUCCESS;
+        }
+        Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
+        Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
+        None => DP_RC_ERROR_GENERIC,
+    };
+    // SAFETY: as above.
+    unsafe { (*msg).opcode = NO_OPCODE };
+    result
+}
+
+/// Fills in a message, which may be uninitialised: so no reference to it is made.
+///
+/// # Safety
+///
+/// msg points to a writable message outside the ring that holds the frame.
+#[inline(always)]
+unsafe fn write_message(msg: *mut ProtocolMsg, frame: &Frame<'_>) {
+    // SAFETY: as the contract of this function asks; chars and uninitialised bytes have the same layout.
+    unsafe {
+        (*msg).opcode = frame.opcode.0;
+        (*msg).data_s = int(frame.payload.len());
+        frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
+        (*msg).checksum_ok = 1;
+    }
+}
+
+/// The bytes that a pointer and a size from C stand for, or `None` where they stand for nothing.
+///
+/// # Safety
+///
+/// buf is NULL or points to that many readable bytes, which nobody writes while the slice lives.
+#[inline(always)]
+pub(super) unsafe fn bytes_of<'a>(buf: *const c_void, bytes: c_int) -> Option<&'a [u8]> {
+    match usize::try_from(bytes) {
+        Ok(0) => Some(&[]),
+        // SAFETY: not NULL, so as the contract of this function asks.
+        Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts(buf.cast(), length) }),
+        _ => None,
+    }
+}
+
+/// A number of bytes that an int holds: a ring's, a frame's, or a part of what C gave as an int.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "see above")]
+pub(super) const fn int(bytes: usize) -> c_int {
+    bytes as c_int
+}

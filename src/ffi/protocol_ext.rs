@@ -1,0 +1,113 @@
+//! `protocol_ext.h`: what the original's API lacks.
+
+use core::ffi::{c_char, c_int, c_void};
+use core::mem::MaybeUninit;
+
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, bytes_of, int, receive};
+use super::sized_alias;
+use crate::deltarobot::Ring;
+
+/// Receives a message from `dp_process_each`; `usr` is what that was given. Any result but 0 stops it.
+/// The message is gone when the function returns.
+pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mut c_void) -> c_int>;
+
+/// Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
+///
+/// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
+/// are in the ring already come first. `on_msg` may call the library on the same ring.
+///
+/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the rest
+/// to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is NULL, bytes
+/// is negative, or buf is NULL and bytes is not 0.
+///
+/// # Safety
+///
+/// data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is NULL or points to
+/// that many readable bytes, none of them in the ring, which stay as they are until the call returns. `on_msg` can be
+/// called with usr.
+///
+/// cbindgen:postfix=DP_SIZED("dp_process_each")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_process_each(
+    data: *mut Ring,
+    buf: *const c_void,
+    bytes: c_int,
+    on_msg: MsgFunc,
+    usr: *mut c_void,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
+        return DP_RC_ERROR_GENERIC.wrapping_neg();
+    };
+    let mut rest = input;
+    let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
+    loop {
+        // SAFETY: data is not NULL, so a ring by the contract of this function; msg is ours.
+        while unsafe { receive(data, msg.as_mut_ptr(), Ring::next_frame) } == DP_RC_SUCCESS {
+            // SAFETY: as the contract of this function asks; no reference to the ring is held.
+            if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
+                return int(input.len().wrapping_sub(rest.len()));
+            }
+        }
+        if rest.is_empty() {
+            return bytes;
+        }
+        // SAFETY: as above; the reference ends before the next call of on_msg.
+        let ring = unsafe { &mut *data };
+        let (now, later) = rest.split_at_checked(ring.room()).unwrap_or((rest, &[]));
+        // Can't overflow: there is room for them.
+        let _ = ring.append(now);
+        rest = later;
+    }
+}
+sized_alias!(dp_process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int);
+
+/// Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
+/// 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
+///
+/// What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
+/// `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
+///
+/// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
+/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode` is set
+/// to 0xFF and the rest of msg is left as it was.
+///
+/// # Safety
+///
+/// As for `dp_recv`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_recv_idle")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { receive(data, msg, Ring::next_frame_idle) }
+}
+sized_alias!(dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+
+/// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
+///
+/// # Safety
+///
+/// data is NULL or points to writable memory of a ring's size and alignment.
+///
+/// cbindgen:postfix=DP_SIZED("dp_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_init(data: *mut Ring) -> c_int {
+    if data.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks.
+    unsafe { data.write(Ring::new()) };
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_init(data: *mut Ring) -> c_int);
+
+/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
+///
+/// Returns a string that lives as long as the program.
+#[unsafe(no_mangle)]
+pub extern "C" fn dp_version() -> *const c_char {
+    const { concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast() }
+}

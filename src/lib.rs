@@ -1,0 +1,37 @@
+//! Drop-in replacement for the C library that speaks the deltarobot message format.
+//!
+//! Three rings, each of which knows only the one inside it:
+//!
+//! 1. [`deltarobot`]: the protocol, in safe Rust that knows no C.
+//! 2. [`ffi`]: the C ABI. Converts pointers, calls the core, returns its answer. The headers in
+//!    `include/libdeltarobot/` are generated from it.
+//! 3. the artifact: what turns the crate into `libdeltarobot.a` and `.so`, a panic handler that the
+//!    linker finds unreachable.
+//!
+//! Nothing allocates, nothing blocks, nothing keeps state of its own: every byte lives in structs of
+//! the caller's, so the library takes no RAM and two threads may use two rings at once.
+//!
+//! The sizes of ring and payload are fixed when the library is built: see [`config`].
+//!
+//! ```
+//! use deltarobot::deltarobot::{Frame, NextFrame, Opcode, Ring};
+//!
+//! let mut ring = Ring::new();
+//! ring.append(b"noise $S\x00\xB1:").unwrap();
+//! let Ok(frame) = ring.next_frame() else { panic!("the frame is intact") };
+//! assert_eq!(frame.opcode(), Opcode::STATUS);
+//! assert!(frame.payload().is_empty());
+//! ```
+#![no_std]
+// Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the
+// compiler would turn copy loops into calls of memcpy.
+#![no_builtins]
+
+#[cfg(feature = "std")]
+extern crate std;
+
+pub mod config;
+pub mod deltarobot;
+pub mod ffi;
+#[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
+mod panic_handler;
