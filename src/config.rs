@@ -18,3 +18,6 @@ const _: () = assert!(
     DP_BUFSIZE as u128 <= core::ffi::c_int::MAX as u128,
     "DP_BUFSIZE is too large: it must fit the target's int"
 );
+
+/// Whether code may be spent on speed: on hosts, yes; where flash is counted in bytes, the plain way must do.
+pub(crate) const FAST: bool = cfg!(target_pointer_width = "64");

@@ -3,7 +3,6 @@
  *
  * Generated from src/ffi/protocol.rs for these sizes: `make header` renews it.
  */
-
 #ifndef LIBDELTAROBOT_PROTOCOL_H
 #define LIBDELTAROBOT_PROTOCOL_H
 
@@ -39,6 +38,9 @@
 #endif
 #else
 #define DP_SIZED(name)
+#define DP_SIZED_BY_MACRO
+#endif
+#ifdef DP_SIZED_BY_MACRO
 #define dp_process dp_process_128_32
 #define dp_recv dp_recv_128_32
 #define dp_send dp_send_128_32
@@ -49,7 +51,7 @@
 #define DP_PROTO_FRAME_END ':'
 
 /* The opcodes, see the specification's section "Opcodes". All of them: */
-#define DP_PROTO_ALL_OPCODES "ANHMSChsme"
+#define DP_PROTO_ALL_OPCODES "ANHSMChsme"
 /* Either way; the payload is the opcode that is answered. */
 #define DP_OPCODE_ACK ((unsigned char)'A')
 #define DP_OPCODE_NACK ((unsigned char)'N')
@@ -303,8 +305,9 @@ int dp_send(struct protocol_msg *msg,
             void *usr)
 DP_SIZED("dp_send");
 
-#endif  /* LIBDELTAROBOT_PROTOCOL_H */
 
 #ifdef __cplusplus
 }
+#endif
+
 #endif

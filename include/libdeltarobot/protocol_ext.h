@@ -3,7 +3,6 @@
  *
  * Generated from src/ffi/protocol_ext.rs: `make header` renews it.
  */
-
 #ifndef LIBDELTAROBOT_PROTOCOL_EXT_H
 #define LIBDELTAROBOT_PROTOCOL_EXT_H
 
@@ -16,7 +15,7 @@
 #define DP_VERSION_PATCH 0
 #define DP_VERSION_STRING "1.0.0"
 
-#if !(defined(__GNUC__) || defined(__clang__) || defined(__TINYC__))
+#ifdef DP_SIZED_BY_MACRO
 #define dp_process_each dp_process_each_128_32
 #define dp_recv_idle dp_recv_idle_128_32
 #define dp_init dp_init_128_32
@@ -96,8 +95,9 @@ int dp_init(struct protocol_data *data) DP_SIZED("dp_init");
  */
 const char *dp_version(void);
 
-#endif  /* LIBDELTAROBOT_PROTOCOL_EXT_H */
 
 #ifdef __cplusplus
 }
+#endif
+
 #endif

@@ -1,9 +1,11 @@
 //! One frame: `$`, opcode, length, payload, checksum, `:` (specification, section "Message Frame Structure").
+//!
+//! The checksum is the sum modulo 256 of all bytes of the frame but itself (section "Checksum Calculation").
 
 use core::mem::MaybeUninit;
 
-use super::Opcode;
-use crate::config::DP_DATA_MAX_SIZE;
+use super::{Opcode, bytes};
+use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// The first byte of every frame.
 pub const FRAME_START: u8 = b'$';
@@ -25,11 +27,12 @@ pub struct Frame<'a> {
     pub payload: Payload<'a>,
 }
 
-/// The payload of a received frame: two slices, since it may lie across the ring's end.
+/// The payload of a received frame, which may lie across the ring's end.
 #[derive(Clone, Copy, Debug)]
 pub struct Payload<'a> {
-    pub(super) front: &'a [u8],
-    pub(super) back: &'a [u8],
+    pub(super) ring: &'a [u8; DP_BUFSIZE],
+    pub(super) begin: usize,
+    pub(super) length: usize,
 }
 
 impl Payload<'_> {
@@ -37,48 +40,34 @@ impl Payload<'_> {
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
-        // Both are parts of one ring: the sum is at most its size.
-        self.front.len().wrapping_add(self.back.len())
+        self.length
     }
 
     /// Whether there is no payload.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.length == 0
     }
 
     /// The bytes in their order.
+    #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = u8> {
-        self.front.iter().chain(self.back).copied()
+        (0..self.length).map(|offset| {
+            self.ring.get(super::ring::wrap(self.begin.wrapping_add(offset))).copied().unwrap_or_default()
+        })
     }
 
     /// Copies as many bytes as fit, and leaves the rest of `out` as it is.
-    #[inline]
+    #[inline(always)]
     pub fn copy_to(&self, out: &mut [MaybeUninit<u8>]) {
-        // Two plain loops: a chained iterator would cost a branch for each byte.
-        let mut out = out.iter_mut();
-        for (to, &from) in self.front.iter().zip(&mut out).map(|(from, to)| (to, from)) {
-            to.write(from);
+        if FAST && let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
+            return bytes::copy(payload, out, MaybeUninit::new);
         }
-        for (&from, to) in self.back.iter().zip(out) {
-            to.write(from);
+        for (place, byte) in out.iter_mut().zip(self.iter()) {
+            place.write(byte);
         }
     }
-}
-
-/// Sum modulo 256 of a frame's bytes other than the checksum itself (specification, section "Checksum
-/// Calculation"): `$` and `:` are part of it.
-#[inline(always)]
-pub(super) fn checksum(opcode: Opcode, length: u8, payload: Payload<'_>) -> u8 {
-    let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
-    for byte in payload.front {
-        sum = sum.wrapping_add(*byte);
-    }
-    for byte in payload.back {
-        sum = sum.wrapping_add(*byte);
-    }
-    sum
 }
 
 /// Writes the frame of `opcode` and `payload` to the beginning of `out` and tells its length in bytes, 5 to
@@ -86,16 +75,25 @@ pub(super) fn checksum(opcode: Opcode, length: u8, payload: Payload<'_>) -> u8 {
 #[inline(always)]
 pub fn encode(opcode: Opcode, payload: &[u8], out: &mut [MaybeUninit<u8>; FRAME_MAX]) -> Option<usize> {
     let length = u8::try_from(payload.len()).ok().filter(|_| payload.len() <= DP_DATA_MAX_SIZE)?;
-    let sum = checksum(opcode, length, Payload { front: payload, back: &[] });
-    let mut places = out.iter_mut();
-    for byte in [FRAME_START, opcode.0, length] {
-        places.next()?.write(byte);
-    }
-    for (byte, place) in payload.iter().zip(&mut places) {
-        place.write(*byte);
-    }
-    for byte in [sum, FRAME_END] {
-        places.next()?.write(byte);
-    }
+    let [place_of_start, place_of_opcode, place_of_length, rest @ ..] = out;
+    place_of_start.write(FRAME_START);
+    place_of_opcode.write(opcode.0);
+    place_of_length.write(length);
+    let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
+    let behind = if FAST {
+        sum = sum.wrapping_add(bytes::sum(payload));
+        bytes::copy(payload, rest, MaybeUninit::new);
+        rest.get_mut(payload.len()..)?
+    } else {
+        let mut places = rest.iter_mut();
+        for (byte, place) in payload.iter().zip(&mut places) {
+            place.write(*byte);
+            sum = sum.wrapping_add(*byte);
+        }
+        places.into_slice()
+    };
+    let [place_of_sum, place_of_end, ..] = behind else { return None };
+    place_of_sum.write(sum);
+    place_of_end.write(FRAME_END);
     Some(payload.len().wrapping_add(FRAME_OVERHEAD))
 }

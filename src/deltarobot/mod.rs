@@ -4,10 +4,24 @@
 //! the bytes of a frame.
 #![forbid(unsafe_code)]
 
+mod bytes;
+mod controller;
+mod decimal;
 mod frame;
+mod host;
 mod opcode;
+mod payload;
+mod position;
 mod ring;
+mod shortcut;
+mod text;
 
+pub use controller::{Controller, Judgement, Order};
 pub use frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload, encode};
+pub(crate) use host::clock_time;
+pub use host::{Busy, Event, Health, Host, Link, Outcome, Request, Settings};
 pub use opcode::Opcode;
+pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
+pub use position::{POSITION_SIZE, Position};
 pub use ring::{NoFrame, Overflow, Ring, RingByte};
+pub use text::{TEXT_MAX, describe};

@@ -33,19 +33,20 @@ impl Opcode {
     #[inline]
     #[must_use]
     pub const fn is_known(self) -> bool {
-        matches!(
-            self,
-            Self::ACK
-                | Self::NACK
-                | Self::HOMING
-                | Self::STATUS
-                | Self::MOVE
-                | Self::CANCEL
-                | Self::HOMING_REPL
-                | Self::STATUS_REPL
-                | Self::MOVE_REPL
-                | Self::GENERAL_ERR
-        )
+        // Bit n stands for the n-th letter.
+        const UPPER: u32 = 1 << (b'A' & 31)
+            | 1 << (b'N' & 31)
+            | 1 << (b'H' & 31)
+            | 1 << (b'S' & 31)
+            | 1 << (b'M' & 31)
+            | 1 << (b'C' & 31);
+        const LOWER: u32 = 1 << (b'h' & 31) | 1 << (b's' & 31) | 1 << (b'm' & 31) | 1 << (b'e' & 31);
+        let letters = match self.0 >> 5 {
+            2 => UPPER,
+            3 => LOWER,
+            _ => 0,
+        };
+        letters >> (self.0 & 31) & 1 != 0
     }
 }
 

@@ -3,9 +3,9 @@
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload, checksum};
-use super::Opcode;
-use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
+use super::{Opcode, bytes};
+use crate::config::{DP_BUFSIZE, FAST};
 
 /// A byte of the ring; C calls it `char`.
 pub type RingByte = u8;
@@ -20,11 +20,11 @@ pub type RingByte = u8;
 #[repr(C)]
 pub struct Ring {
     /// Storage of the ring.
-    bytes: [RingByte; DP_BUFSIZE],
+    pub(super) bytes: [RingByte; DP_BUFSIZE],
     /// Where the first unread byte is, 0 to `DP_BUFSIZE` - 1.
-    start: c_int,
+    pub(super) start: c_int,
     /// Number of unread bytes, 0 to `DP_BUFSIZE`.
-    used: c_int,
+    pub(super) used: c_int,
 }
 
 // The layout of C's struct; C tests assert the same numbers.
@@ -52,7 +52,7 @@ pub enum NoFrame {
 
 /// What stands at a place in the ring.
 enum Candidate {
-    /// A frame, this long its payload.
+    /// A frame of so many bytes.
     Intact(usize),
     /// The beginning of a frame, or nothing at all.
     Incomplete,
@@ -65,6 +65,14 @@ impl Ring {
     #[must_use]
     pub const fn new() -> Self {
         Self { bytes: [0; DP_BUFSIZE], start: 0, used: 0 }
+    }
+
+    /// Makes it all zero, whatever it was.
+    pub fn clear(&mut self) {
+        for byte in &mut self.bytes {
+            *byte = 0;
+        }
+        (self.start, self.used) = (0, 0);
     }
 
     /// Number of bytes that fit without loss.
@@ -81,21 +89,34 @@ impl Ring {
     /// [`Overflow`] when a byte was lost, old or new.
     #[inline(always)]
     pub fn append(&mut self, input: &[u8]) -> Result<(), Overflow> {
-        let (start, used) = self.position();
+        let (mut start, mut used) = self.position();
         let taken = input.get(..DP_BUFSIZE).unwrap_or(input);
-        let lost = used.wrapping_add(taken.len()).saturating_sub(DP_BUFSIZE);
-
-        let end = wrap(start.wrapping_add(used));
-        let (front, back) = self.bytes.split_at_mut_checked(end).unwrap_or_default();
-        let (first, rest) = taken.split_at_checked(back.len()).unwrap_or((taken, &[]));
-        for (place, byte) in back.iter_mut().zip(first) {
-            *place = *byte;
+        let mut lost = taken.len() != input.len();
+        if FAST {
+            let free = wrap(start.wrapping_add(used));
+            let excess = used.wrapping_add(taken.len()).saturating_sub(DP_BUFSIZE);
+            lost |= excess != 0;
+            start = wrap(start.wrapping_add(excess));
+            used = used.wrapping_add(taken.len()).wrapping_sub(excess);
+            let (front, back) = self.bytes.split_at_mut_checked(free).unwrap_or_default();
+            let (first, rest) = taken.split_at_checked(back.len()).unwrap_or((taken, &[]));
+            bytes::copy(first, back, |byte| byte);
+            bytes::copy(rest, front, |byte| byte);
+        } else {
+            for byte in taken {
+                if let Some(place) = self.bytes.get_mut(wrap(start.wrapping_add(used))) {
+                    *place = *byte;
+                }
+                if used == DP_BUFSIZE {
+                    start = wrap(start.wrapping_add(1));
+                    lost = true;
+                } else {
+                    used = used.wrapping_add(1);
+                }
+            }
         }
-        for (place, byte) in front.iter_mut().zip(rest) {
-            *place = *byte;
-        }
-        self.set_position(wrap(start.wrapping_add(lost)), used.wrapping_add(taken.len()).wrapping_sub(lost));
-        if lost == 0 && taken.len() == input.len() { Ok(()) } else { Err(Overflow) }
+        (self.start, self.used) = (int(start), int(used));
+        if lost { Err(Overflow) } else { Ok(()) }
     }
 
     /// Takes the next frame out of the ring. An incomplete one at the start is waited for, never overtaken by one
@@ -104,7 +125,6 @@ impl Ring {
     /// # Errors
     ///
     /// [`NoFrame`] when more bytes are needed.
-    #[inline(always)]
     pub fn next_frame(&mut self) -> Result<Frame<'_>, NoFrame> {
         self.search(false)
     }
@@ -120,16 +140,17 @@ impl Ring {
     }
 
     #[inline(always)]
-    fn search(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
+    pub(crate) fn search(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
         let (mut start, mut used) = self.position();
         let before = used;
         loop {
-            match self.candidate(start, used) {
-                Candidate::Intact(length) => {
-                    let opcode = Opcode(self.byte(start, 1));
-                    let frame = length.wrapping_add(FRAME_OVERHEAD);
-                    self.set_position(wrap(start.wrapping_add(frame)), used.wrapping_sub(frame));
-                    return Ok(Frame { opcode, payload: self.payload(start, length) });
+            match self.judge(start, used) {
+                Candidate::Intact(size) => {
+                    (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
+                    return Ok(Frame {
+                        opcode: Opcode(self.byte(start.wrapping_add(1))),
+                        payload: self.payload(start, size.wrapping_sub(FRAME_OVERHEAD)),
+                    });
                 }
                 Candidate::Incomplete if !idle || used == 0 => break,
                 Candidate::Incomplete | Candidate::Garbage => {
@@ -138,88 +159,74 @@ impl Ring {
                 }
             }
         }
-        if used == before {
-            return Err(NoFrame::Waiting);
-        }
-        self.set_position(start, used);
-        Err(NoFrame::Garbage)
+        (self.start, self.used) = (int(start), int(used));
+        Err(if used == before { NoFrame::Waiting } else { NoFrame::Garbage })
     }
 
     /// Judges what stands at `start`, with `used` bytes there in all. A candidate is given up as soon as a byte of it
     /// is wrong, so that what follows it is not waited for in vain.
     #[inline(always)]
-    fn candidate(&self, start: usize, used: usize) -> Candidate {
+    fn judge(&self, start: usize, used: usize) -> Candidate {
         if used == 0 {
             return Candidate::Incomplete;
         }
-        if self.byte(start, 0) != FRAME_START {
+        if self.byte(start) != FRAME_START {
             return Candidate::Garbage;
         }
-        if used < 2 {
+        if used == 1 {
             return Candidate::Incomplete;
         }
-        let opcode = Opcode(self.byte(start, 1));
-        if !opcode.is_known() {
+        if !Opcode(self.byte(start.wrapping_add(1))).is_known() {
             return Candidate::Garbage;
         }
-        if used < FRAME_HEAD {
+        if used == 2 {
             return Candidate::Incomplete;
         }
-        let length = self.byte(start, 2);
-        let payload = usize::from(length);
-        if payload > DP_DATA_MAX_SIZE {
+        let size = usize::from(self.byte(start.wrapping_add(2))).wrapping_add(FRAME_OVERHEAD);
+        if size > FRAME_MAX {
             return Candidate::Garbage;
         }
-        if used < payload.wrapping_add(FRAME_OVERHEAD) {
+        if used < size {
             return Candidate::Incomplete;
         }
-        if self.byte(start, payload.wrapping_add(4)) == FRAME_END
-            && self.byte(start, payload.wrapping_add(3)) == checksum(opcode, length, self.payload(start, payload))
-        {
-            Candidate::Intact(payload)
-        } else {
-            Candidate::Garbage
-        }
+        if self.is_intact(start, size) { Candidate::Intact(size) } else { Candidate::Garbage }
     }
 
-    /// The payload of `length` bytes of the frame at `start`.
+    /// Whether the frame of `size` bytes at `start` ends as it should.
+    #[inline(always)]
+    fn is_intact(&self, start: usize, size: usize) -> bool {
+        if FAST && let Some(frame) = self.bytes.get(start..start.wrapping_add(size)) {
+            return match frame.split_last_chunk() {
+                Some((summed, &[sum, end])) => end == FRAME_END && sum == bytes::sum(summed).wrapping_add(FRAME_END),
+                None => false,
+            };
+        }
+        let mut place = start;
+        let end = start.wrapping_add(size).wrapping_sub(2);
+        let mut sum = FRAME_END;
+        while place != end {
+            sum = sum.wrapping_add(self.byte(place));
+            place = place.wrapping_add(1);
+        }
+        self.byte(end) == sum && self.byte(end.wrapping_add(1)) == FRAME_END
+    }
+
     #[inline(always)]
     fn payload(&self, start: usize, length: usize) -> Payload<'_> {
-        let begin = wrap(start.wrapping_add(FRAME_HEAD));
-        let (before, behind) = self.bytes.split_at_checked(begin).unwrap_or_default();
-        match behind.get(..length) {
-            Some(front) => Payload { front, back: &[] },
-            None => Payload {
-                front: behind,
-                back: before.get(..length.wrapping_sub(behind.len())).unwrap_or_default(),
-            },
-        }
+        Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length }
     }
 
-    /// The byte `offset` behind the place `start`; both are below the ring's size.
     #[inline(always)]
-    fn byte(&self, start: usize, offset: usize) -> u8 {
-        self.bytes.get(wrap(start.wrapping_add(offset))).copied().unwrap_or_default()
+    fn byte(&self, place: usize) -> u8 {
+        self.bytes.get(wrap(place)).copied().unwrap_or_default()
     }
 
     /// Where the unread bytes start and how many they are; fields out of range are an empty ring's.
     #[inline(always)]
     fn position(&self) -> (usize, usize) {
-        match (usize::try_from(self.start), usize::try_from(self.used)) {
-            (Ok(start), Ok(used)) if start < DP_BUFSIZE && used <= DP_BUFSIZE => (start, used),
-            _ => (0, 0),
-        }
-    }
-
-    #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "neither is above DP_BUFSIZE, which fits: src/config.rs"
-    )]
-    fn set_position(&mut self, start: usize, used: usize) {
-        self.start = start as c_int;
-        self.used = used as c_int;
+        let start = self.start.cast_unsigned() as usize;
+        let used = self.used.cast_unsigned() as usize;
+        if start >= DP_BUFSIZE || used > DP_BUFSIZE { (0, 0) } else { (start, used) }
     }
 }
 
@@ -231,7 +238,7 @@ impl Default for Ring {
 
 /// A place that may be past the ring's end, by less than its size.
 #[inline(always)]
-const fn wrap(place: usize) -> usize {
+pub(super) const fn wrap(place: usize) -> usize {
     if DP_BUFSIZE.is_power_of_two() {
         place & DP_BUFSIZE.wrapping_sub(1)
     } else if place >= DP_BUFSIZE {
@@ -239,4 +246,15 @@ const fn wrap(place: usize) -> usize {
     } else {
         place
     }
+}
+
+/// A place or a number of bytes in the ring, as C has it.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "at most DP_BUFSIZE, which an int holds"
+)]
+pub(super) const fn int(bytes: usize) -> c_int {
+    bytes as c_int
 }

@@ -16,20 +16,27 @@
 //! programs compiled with the original's header, and under a name that tells the sizes, for those
 //! compiled with ours, so that a program and a library of different sizes do not link.
 
+pub mod controller;
+pub mod host;
+mod memory;
+pub mod payload;
 pub mod protocol;
 pub mod protocol_ext;
 
-/// Exports a function under the name that tells the sizes, e.g. `dp_recv_128_32`.
+/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`.
 ///
-/// The plain function is inlined here, which makes the two the same to the last instruction, and so the compiler
-/// makes them one: two symbols at one address.
+/// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes one
+/// of two equal functions, so that they are two symbols at one address. Without it, the second export calls the first.
 macro_rules! sized_alias {
-    ($name:ident($($arg:ident: $type:ty),*) -> $result:ty) => {
+    ($name:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
+        $crate::ffi::sized_alias!($name = $name($($arg: $type),*) -> $result);
+    };
+    ($name:ident = $function:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
         const _: () = {
             #[unsafe(export_name = concat!(stringify!($name), "_", env!("DP_SIZES")))]
             unsafe extern "C" fn sized($($arg: $type),*) -> $result {
-                // SAFETY: the caller keeps to the contract of the plain function, which this one is.
-                unsafe { $name($($arg),*) }
+                // SAFETY: the caller keeps to the contract of the plain export, which does the same.
+                unsafe { $function($($arg),*) }
             }
         };
     };

@@ -5,7 +5,7 @@ use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 use core::slice;
 
 use super::sized_alias;
-use crate::config::DP_DATA_MAX_SIZE;
+use crate::config::{DP_DATA_MAX_SIZE, FAST};
 use crate::deltarobot::{FRAME_MAX, Frame, NoFrame, Opcode, Ring, encode};
 
 /// The operation completed.
@@ -128,7 +128,30 @@ pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, 
 /// cbindgen:postfix=DP_SIZED("dp_process")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    // SAFETY: both are as the contract of this function asks.
+    // SAFETY: the same contract.
+    unsafe { process(data, buf, bytes) }
+}
+sized_alias!(dp_process = process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int);
+
+#[inline(always)]
+unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
+    if FAST
+        && bytes == 1
+        // SAFETY: both are as the contract of dp_process asks.
+        && let (Some(ring), Some(byte)) = (unsafe { data.as_mut() }, unsafe { buf.cast::<u8>().as_ref() })
+        && ring.push(*byte)
+    {
+        return DP_RC_SUCCESS;
+    }
+    // SAFETY: the same contract.
+    unsafe { process_any(data, buf, bytes) }
+}
+
+/// Any number of bytes. A function of its own where there is a faster way for a single one.
+#[cfg_attr(target_pointer_width = "64", inline(never))]
+#[cfg_attr(not(target_pointer_width = "64"), inline(always))]
+unsafe fn process_any(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
+    // SAFETY: both are as the contract of dp_process asks.
     let (Some(ring), Some(input)) = (unsafe { data.as_mut() }, unsafe { bytes_of(buf, bytes) }) else {
         return DP_RC_ERROR_GENERIC;
     };
@@ -137,7 +160,6 @@ pub unsafe extern "C" fn dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_
         Err(_) => DP_RC_OVERFLOW,
     }
 }
-sized_alias!(dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int);
 
 /// Takes the next message out of the ring.
 ///
@@ -156,10 +178,74 @@ sized_alias!(dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_in
 /// cbindgen:postfix=DP_SIZED("dp_recv")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: both are as the contract of this function asks.
-    unsafe { receive(data, msg, Ring::next_frame) }
+    // SAFETY: the same contract.
+    unsafe { recv(data, msg) }
 }
-sized_alias!(dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+sized_alias!(dp_recv = recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+
+#[inline(always)]
+pub(super) unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    if FAST
+        && !msg.is_null()
+        // SAFETY: as the contract of dp_recv asks.
+        && let Some(ring) = unsafe { data.as_mut() }
+        && let Some(found) = ring.shortcut()
+    {
+        // SAFETY: msg is not NULL, so a message outside the ring by the contract of dp_recv.
+        return unsafe { answer(msg, found) };
+    }
+    // SAFETY: the same contract.
+    unsafe { recv_any(data, msg, false) }
+}
+
+/// Any state of the ring. A function of its own where there is a faster way for the usual ones.
+///
+/// # Safety
+///
+/// As for [`dp_recv`].
+#[cfg_attr(target_pointer_width = "64", inline(never))]
+#[cfg_attr(not(target_pointer_width = "64"), inline(always))]
+pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool) -> c_int {
+    if msg.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: NULL, or a ring by the contract of this function.
+    let Some(ring) = (unsafe { data.as_mut() }) else {
+        // SAFETY: msg is not NULL, so a message by the contract of this function.
+        unsafe { (*msg).opcode = NO_OPCODE };
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
+    unsafe { answer(msg, ring.search(idle)) }
+}
+
+/// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
+///
+/// # Safety
+///
+/// msg points to a writable message outside the ring that holds the frame.
+#[inline(always)]
+unsafe fn answer(msg: *mut ProtocolMsg, found: Result<Frame<'_>, NoFrame>) -> c_int {
+    // SAFETY: as the contract of this function asks; chars and bytes that may be uninitialised have the same layout.
+    unsafe {
+        match found {
+            Ok(frame) => {
+                (*msg).opcode = frame.opcode.0;
+                (*msg).data_s = int(frame.payload.len());
+                frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
+                (*msg).checksum_ok = 1;
+                DP_RC_SUCCESS
+            }
+            Err(none) => {
+                (*msg).opcode = NO_OPCODE;
+                match none {
+                    NoFrame::Waiting => DP_RC_NO_FRAME,
+                    NoFrame::Garbage => DP_RC_GARBAGE,
+                }
+            }
+        }
+    }
+}
 
 /// Sends a message: calls sendfunc once, with the whole frame and usr.
 ///
@@ -176,73 +262,30 @@ sized_alias!(dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 /// cbindgen:postfix=DP_SIZED("dp_send")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
-    let Some(sendfunc) = sendfunc else {
+    // SAFETY: the same contract.
+    unsafe { send(msg, sendfunc, usr) }
+}
+sized_alias!(dp_send = send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int);
+
+#[inline(always)]
+unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
+    let (Some(sendfunc), false) = (sendfunc, msg.is_null()) else {
         return DP_RC_ERROR_GENERIC;
     };
-    if msg.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
     let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
-    // SAFETY: not NULL, so a message by the contract of this function; the slice is used before sendfunc is called,
-    // and bytes_of() refuses lengths that data does not have.
+    // SAFETY: not NULL, so a message by the contract of dp_send; the slice is not used any more when sendfunc is called.
     let encoded = unsafe {
-        let payload = match (*msg).data_s {
-            length if length <= const { int(DP_DATA_MAX_SIZE) } => bytes_of((&raw const (*msg).data).cast(), length),
-            _ => None,
-        };
-        payload.and_then(|payload| encode(Opcode((*msg).opcode), payload, &mut frame))
+        let length = (*msg).data_s;
+        if !(0..=const { int(DP_DATA_MAX_SIZE) }).contains(&length) {
+            return DP_RC_ERROR_GENERIC;
+        }
+        let payload = slice::from_raw_parts((&raw const (*msg).data).cast(), length.cast_unsigned() as usize);
+        encode(Opcode((*msg).opcode), payload, &mut frame)
     };
     match encoded {
-        // SAFETY: as the contract of this function asks; encode() wrote that many bytes of the frame.
+        // SAFETY: as the contract of dp_send asks; encode() wrote that many bytes of the frame.
         Some(length) => unsafe { sendfunc(frame.as_mut_ptr().cast(), int(length), usr) },
         None => DP_RC_ERROR_GENERIC,
-    }
-}
-sized_alias!(dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int);
-
-/// Receives with `next`, one of [`Ring`]'s searches.
-///
-/// # Safety
-///
-/// As for [`dp_recv`].
-#[inline(always)]
-pub(super) unsafe fn receive(
-    data: *mut Ring,
-    msg: *mut ProtocolMsg,
-    next: impl FnOnce(&mut Ring) -> Result<Frame<'_>, NoFrame>,
-) -> c_int {
-    if msg.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: NULL, or a ring by the caller's contract.
-    let result = match unsafe { data.as_mut() }.map(next) {
-        Some(Ok(frame)) => {
-            // SAFETY: msg is not NULL, so a message by the caller's contract, which lies outside the ring.
-            unsafe { write_message(msg, &frame) };
-            return DP_RC_SUCCESS;
-        }
-        Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
-        Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
-        None => DP_RC_ERROR_GENERIC,
-    };
-    // SAFETY: as above.
-    unsafe { (*msg).opcode = NO_OPCODE };
-    result
-}
-
-/// Fills in a message, which may be uninitialised: so no reference to it is made.
-///
-/// # Safety
-///
-/// msg points to a writable message outside the ring that holds the frame.
-#[inline(always)]
-unsafe fn write_message(msg: *mut ProtocolMsg, frame: &Frame<'_>) {
-    // SAFETY: as the contract of this function asks; chars and uninitialised bytes have the same layout.
-    unsafe {
-        (*msg).opcode = frame.opcode.0;
-        (*msg).data_s = int(frame.payload.len());
-        frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
-        (*msg).checksum_ok = 1;
     }
 }
 

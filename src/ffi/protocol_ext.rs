@@ -3,7 +3,7 @@
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, bytes_of, int, receive};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, bytes_of, int, recv, recv_any};
 use super::sized_alias;
 use crate::deltarobot::Ring;
 
@@ -35,16 +35,23 @@ pub unsafe extern "C" fn dp_process_each(
     on_msg: MsgFunc,
     usr: *mut c_void,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the same contract.
+    unsafe { process_each(data, buf, bytes, on_msg, usr) }
+}
+sized_alias!(dp_process_each = process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int);
+
+#[inline(always)]
+unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int {
+    // SAFETY: as the contract of dp_process_each asks.
     let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
         return DP_RC_ERROR_GENERIC.wrapping_neg();
     };
     let mut rest = input;
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
-        // SAFETY: data is not NULL, so a ring by the contract of this function; msg is ours.
-        while unsafe { receive(data, msg.as_mut_ptr(), Ring::next_frame) } == DP_RC_SUCCESS {
-            // SAFETY: as the contract of this function asks; no reference to the ring is held.
+        // SAFETY: data is not NULL, so a ring by the contract of dp_process_each; msg is ours.
+        while unsafe { recv(data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
+            // SAFETY: as the contract of dp_process_each asks; no reference to the ring is held.
             if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
                 return int(input.len().wrapping_sub(rest.len()));
             }
@@ -60,7 +67,6 @@ pub unsafe extern "C" fn dp_process_each(
         rest = later;
     }
 }
-sized_alias!(dp_process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int);
 
 /// Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
 /// 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
@@ -79,10 +85,16 @@ sized_alias!(dp_process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, 
 /// cbindgen:postfix=DP_SIZED("dp_recv_idle")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { receive(data, msg, Ring::next_frame_idle) }
+    // SAFETY: the same contract.
+    unsafe { recv_idle(data, msg) }
 }
-sized_alias!(dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+
+#[inline(always)]
+unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: as the contract of dp_recv_idle asks.
+    unsafe { recv_any(data, msg, true) }
+}
 
 /// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
 ///
@@ -95,14 +107,22 @@ sized_alias!(dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 /// cbindgen:postfix=DP_SIZED("dp_init")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_init(data: *mut Ring) -> c_int {
-    if data.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: as the contract of this function asks.
-    unsafe { data.write(Ring::new()) };
-    DP_RC_SUCCESS
+    // SAFETY: the same contract.
+    unsafe { init(data) }
 }
-sized_alias!(dp_init(data: *mut Ring) -> c_int);
+sized_alias!(dp_init = init(data: *mut Ring) -> c_int);
+
+#[inline(always)]
+unsafe fn init(data: *mut Ring) -> c_int {
+    // SAFETY: NULL, or memory as the contract of dp_init asks.
+    match unsafe { data.as_mut() } {
+        Some(ring) => {
+            ring.clear();
+            DP_RC_SUCCESS
+        }
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
 
 /// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
 ///

@@ -1,0 +1,166 @@
+/* C11: everything existing programs rely on at compile time: layouts, values and types of the macros, free names. */
+#include "libdeltarobot/protocol.h"
+
+#include "check.h"
+
+#include <stddef.h>
+
+#define ROUND_UP(value, unit) (((value) + (unit) - 1) / (unit) * (unit))
+#define INTS_AFTER(bytes) ROUND_UP((bytes), _Alignof(int))
+
+#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
+#define IS_INT(macro, value)                                                                                           \
+    SAME(macro, value);                                                                                                \
+    _Static_assert(_Generic((macro), int: 1, default: 0), #macro " is not an int")
+#define IS_OPCODE(macro, value)                                                                                        \
+    SAME(macro, value);                                                                                                \
+    _Static_assert(_Generic((macro), unsigned char: 1, default: 0), #macro " is not an unsigned char")
+#define HAS_TYPE(object, type) _Static_assert(_Generic(&(object), type *: 1, default: 0), #object " is not " #type)
+
+SAME(offsetof(struct protocol_msg, opcode), 0);
+SAME(offsetof(struct protocol_msg, data_s), _Alignof(int));
+SAME(offsetof(struct protocol_msg, data), _Alignof(int) + sizeof(int));
+SAME(offsetof(struct protocol_msg, checksum_ok), INTS_AFTER(_Alignof(int) + sizeof(int) + DP_DATA_MAX_SIZE));
+SAME(sizeof(struct protocol_msg), offsetof(struct protocol_msg, checksum_ok) + sizeof(int));
+SAME(_Alignof(struct protocol_msg), _Alignof(int));
+
+SAME(offsetof(struct protocol_data, m_buf), 0);
+SAME(offsetof(struct protocol_data, m_idx), INTS_AFTER(DP_BUFSIZE));
+SAME(offsetof(struct protocol_data, m_sz), INTS_AFTER(DP_BUFSIZE) + sizeof(int));
+SAME(sizeof(struct protocol_data), INTS_AFTER(DP_BUFSIZE) + 2 * sizeof(int));
+SAME(_Alignof(struct protocol_data), _Alignof(int));
+
+SAME(offsetof(struct protocol_msg_status_report, DA), 0);
+SAME(offsetof(struct protocol_msg_status_report, DB), 4);
+SAME(offsetof(struct protocol_msg_status_report, DC), 8);
+SAME(offsetof(struct protocol_msg_status_report, STAT), 12);
+SAME(sizeof(struct protocol_msg_status_report), 16);
+SAME(_Alignof(struct protocol_msg_status_report), _Alignof(float));
+
+SAME(offsetof(struct protocol_msg_position, DA), 0);
+SAME(offsetof(struct protocol_msg_position, DB), 4);
+SAME(offsetof(struct protocol_msg_position, DC), 8);
+SAME(sizeof(struct protocol_msg_position), 12);
+SAME(_Alignof(struct protocol_msg_position), _Alignof(float));
+
+#if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32 && defined(__x86_64__)
+SAME(sizeof(struct protocol_msg), 44);
+SAME(offsetof(struct protocol_msg, data_s), 4);
+SAME(offsetof(struct protocol_msg, data), 8);
+SAME(offsetof(struct protocol_msg, checksum_ok), 40);
+SAME(sizeof(struct protocol_data), 136);
+SAME(offsetof(struct protocol_data, m_idx), 128);
+SAME(offsetof(struct protocol_data, m_sz), 132);
+#endif
+
+/* The sizes may be compared by the preprocessor. */
+#if DP_BUFSIZE < 6 || DP_DATA_MAX_SIZE < 1 || DP_DATA_MAX_SIZE > 255
+#error "sizes out of range"
+#endif
+#if DP_RC_SUCCESS != 0 || DP_STATUS_MOVING != 2 || DP_BIT_STAT_STATUS_BITS != 3
+#error "the integer macros are for the preprocessor too"
+#endif
+
+_Static_assert(_Generic((DP_BUFSIZE), int: 1, default: 0), "DP_BUFSIZE is not an int");
+_Static_assert(_Generic((DP_DATA_MAX_SIZE), int: 1, default: 0), "DP_DATA_MAX_SIZE is not an int");
+IS_INT(DP_RC_SUCCESS, 0);
+IS_INT(DP_RC_ERROR_GENERIC, 1);
+IS_INT(DP_RC_NO_FRAME, 2);
+IS_INT(DP_RC_OVERFLOW, 3);
+IS_INT(DP_RC_GARBAGE, 4);
+IS_INT(DP_PROTO_FRAME_START, '$');
+IS_INT(DP_PROTO_FRAME_END, ':');
+IS_INT(DP_STATUS_IDLE, 0);
+IS_INT(DP_STATUS_HOMING, 1);
+IS_INT(DP_STATUS_MOVING, 2);
+IS_INT(DP_STATUS_ERROR, 3);
+IS_INT(DP_BIT_STAT_STATUS_BITS, 0x03);
+IS_INT(DP_BIT_STAT_STATUS_IDLE, 0);
+IS_INT(DP_BIT_STAT_STATUS_HOMING, 1);
+IS_INT(DP_BIT_STAT_STATUS_MOVING, 2);
+IS_INT(DP_BIT_STAT_STATUS_ERROR, 3);
+IS_INT(DP_BIT_STAT_STOP_A_BIT, 1 << 2);
+IS_INT(DP_BIT_STAT_STOP_B_BIT, 1 << 3);
+IS_INT(DP_BIT_STAT_STOP_C_BIT, 1 << 4);
+IS_INT(DP_BIT_STAT_STOP_PRESSED, 1);
+IS_INT(DP_BIT_STAT_STOP_CLEAR, 0);
+IS_OPCODE(DP_OPCODE_ACK, 'A');
+IS_OPCODE(DP_OPCODE_NACK, 'N');
+IS_OPCODE(DP_OPCODE_HOMING, 'H');
+IS_OPCODE(DP_OPCODE_STATUS, 'S');
+IS_OPCODE(DP_OPCODE_MOVE, 'M');
+IS_OPCODE(DP_OPCODE_CANCEL, 'C');
+IS_OPCODE(DP_OPCODE_HOMING_REPL, 'h');
+IS_OPCODE(DP_OPCODE_STATUS_REPL, 's');
+IS_OPCODE(DP_OPCODE_MOVE_REPL, 'm');
+IS_OPCODE(DP_OPCODE_GENERAL_ERR, 'e');
+
+/* A literal: it has its own size, and joins its neighbours. */
+SAME(sizeof(DP_PROTO_ALL_OPCODES), 11);
+static const char joined[] = "<" DP_PROTO_ALL_OPCODES ">";
+
+/* Operators bind outside the macros' replacement. */
+SAME(DP_BIT_STAT_STOP_A_BIT + 1, 5);
+SAME(sizeof DP_OPCODE_ACK, 1);
+
+static struct protocol_msg message;
+static struct protocol_data ring;
+HAS_TYPE(message.opcode, unsigned char);
+HAS_TYPE(message.data_s, int);
+HAS_TYPE(message.data[0], char);
+HAS_TYPE(message.checksum_ok, int);
+HAS_TYPE(ring.m_buf[0], char);
+HAS_TYPE(ring.m_idx, int);
+HAS_TYPE(ring.m_sz, int);
+SAME(sizeof message.data, DP_DATA_MAX_SIZE);
+SAME(sizeof ring.m_buf, DP_BUFSIZE);
+
+static const char *name(unsigned char opcode)
+{
+    switch (opcode) {
+    case DP_OPCODE_ACK: return "ACK";
+    case DP_OPCODE_NACK: return "NACK";
+    case DP_OPCODE_HOMING: return "HOMING";
+    case DP_OPCODE_STATUS: return "STATUS";
+    case DP_OPCODE_MOVE: return "MOVE";
+    case DP_OPCODE_CANCEL: return "CANCEL";
+    case DP_OPCODE_HOMING_REPL: return "HOMING_REPL";
+    case DP_OPCODE_STATUS_REPL: return "STATUS_REPL";
+    case DP_OPCODE_MOVE_REPL: return "MOVE_REPL";
+    case DP_OPCODE_GENERAL_ERR: return "GENERAL_ERR";
+    default: return "";
+    }
+}
+
+static int take_none(void *buf, int bytes, void *usr)
+{
+    (void)buf;
+    (void)usr;
+    return bytes;
+}
+
+int main(void)
+{
+    /* The tags are not typedefs: C programs have variables of these names. */
+    int protocol_msg = 1;
+    int protocol_msg_status_report = 2;
+    int protocol_msg_position = 3;
+    struct protocol_data *protocol_data = &ring;
+    /* The declared types of the functions, to the letter. */
+    int (*process)(struct protocol_data *, void *, int) = dp_process;
+    int (*recv)(struct protocol_data *, struct protocol_msg *) = dp_recv;
+    int (*send)(struct protocol_msg *, send_func_t, void *) = dp_send;
+    send_func_t callback = take_none;
+    int (*plain_callback)(void *, int, void *) = callback;
+    const char *opcode;
+
+    CHECK_INT(protocol_msg + protocol_msg_status_report + protocol_msg_position, 6);
+    CHECK(strcmp(joined, "<ANHSMChsme>") == 0);
+    for (opcode = DP_PROTO_ALL_OPCODES; *opcode; ++opcode)
+        CHECK(*name((unsigned char)*opcode) != '\0');
+    message.opcode = DP_OPCODE_HOMING;
+    CHECK_INT(send(&message, plain_callback, NULL), 5);
+    CHECK_INT(process(protocol_data, message.data, 0), DP_RC_SUCCESS);
+    CHECK_INT(recv(protocol_data, &message), DP_RC_NO_FRAME);
+    return check_summary("layout");
+}

@@ -1,0 +1,18 @@
+//! The C tests: programs in C and C++ that use the library as its users do, compiled and run against what `make`
+//! ships.
+
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test that can't go on fails"
+)]
+
+mod support;
+
+mod headers;
+mod oracle;
+mod programs;
+mod traces;

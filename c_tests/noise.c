@@ -1,0 +1,178 @@
+/*
+ * noise: how many of the intact frames of a noisy line are delivered, by the library and by the model of the original.
+ *
+ * The library has to deliver them all, but for those that begin inside a frame that the noise happened to make. For that
+ * a false start has to find a ':' in the right place, and before it one of 256 bytes: the format can't tell it from a
+ * frame.
+ */
+#include "libdeltarobot/protocol.h"
+
+#include "check.h"
+#include "model/model.h"
+#include "wire.h"
+
+#define FRAMES 20000
+#define GARBAGE_MAX 20
+#define STREAM_MAX (FRAMES * (GARBAGE_MAX + DP_DATA_MAX_SIZE + WIRE_OVERHEAD) + WIRE_FRAME_MAX)
+
+/* A stream, and for each place in it whether an intact frame was put there. */
+static unsigned char stream[STREAM_MAX];
+static char intact[STREAM_MAX];
+static int size;
+static unsigned long seed = 1;
+
+struct count {
+    int delivered, swallowed;
+};
+
+static unsigned one_of(unsigned count)
+{
+    return wire_random(&seed) % count;
+}
+
+static void put_garbage(unsigned dollars_of_256)
+{
+    unsigned count = one_of(GARBAGE_MAX + 1);
+    while (count-- > 0)
+        stream[size++] = one_of(256) < dollars_of_256 ? '$' : (unsigned char)wire_random(&seed);
+}
+
+/* A frame as long as those of the robot are. */
+static int make_frame(unsigned char *out)
+{
+    static const int lengths[] = {0, 0, 1, 12, 16};
+    int length = lengths[one_of(5)];
+    unsigned char payload[16];
+
+    if (length > DP_DATA_MAX_SIZE)
+        length = DP_DATA_MAX_SIZE;
+    wire_random_bytes(&seed, payload, sizeof payload);
+    return wire_frame(out, DP_PROTO_ALL_OPCODES[one_of(10)], payload, length);
+}
+
+static void put_frame(void)
+{
+    intact[size] = 1;
+    size += make_frame(stream + size);
+}
+
+static void put_damaged_frame(void)
+{
+    unsigned char *frame = stream + size;
+    int length = make_frame(frame);
+    int at = (int)one_of((unsigned)length);
+
+    if (one_of(2)) {
+        frame[at] = (unsigned char)(frame[at] ^ 1u << one_of(8));
+    } else {
+        memmove(frame + at, frame + at + 1, (size_t)(length - at - 1));
+        --length;
+    }
+    size += length;
+}
+
+static void make_stream(int with_garbage, unsigned dollars_of_256, unsigned damaged_of_1000)
+{
+    int i;
+
+    memset(intact, 0, sizeof intact);
+    size = 0;
+    for (i = 0; i < FRAMES; ++i) {
+        if (with_garbage)
+            put_garbage(dollars_of_256);
+        if (one_of(1000) < damaged_of_1000)
+            put_damaged_frame();
+        else
+            put_frame();
+    }
+    /* So that no candidate is still incomplete at the end. */
+    memset(stream + size, 0, WIRE_FRAME_MAX);
+    size += WIRE_FRAME_MAX;
+}
+
+/* Whether the frame of the message is what stands in the stream there. */
+static int stands_at(int start, int opcode, const void *payload, int length)
+{
+    unsigned char frame[WIRE_FRAME_MAX];
+    int bytes = wire_frame(frame, opcode, payload, length);
+    return start >= 0 && memcmp(frame, stream + start, (size_t)bytes) == 0;
+}
+
+/* Counts a message whose frame is stream[start..end]. Frames come in their order: *from is the end of the one before. */
+static void count_message(struct count *count, int *from, int start, int end)
+{
+    CHECK(start >= *from);
+    if (intact[start])
+        ++count->delivered;
+    for (*from = start + 1; *from < end; ++*from)
+        count->swallowed += intact[*from];
+}
+
+static struct count through_library(void)
+{
+    static struct protocol_data ring;
+    struct protocol_msg msg;
+    struct count count = {0, 0};
+    int from = 0, fed;
+
+    memset(&ring, 0, sizeof ring);
+    for (fed = 1; fed <= size; ++fed) {
+        dp_process(&ring, stream + fed - 1, 1);
+        while (dp_recv(&ring, &msg) == DP_RC_SUCCESS) {
+            int end = fed - ring.m_sz;
+            int start = end - msg.data_s - WIRE_OVERHEAD;
+            if (CHECK(stands_at(start, msg.opcode, msg.data, msg.data_s)))
+                count_message(&count, &from, start, end);
+        }
+    }
+    return count;
+}
+
+static struct count through_model(void)
+{
+    static struct model_data ring;
+    struct model_msg msg;
+    struct count count = {0, 0};
+    int from = 0, fed;
+
+    memset(&ring, 0, sizeof ring);
+    for (fed = 1; fed <= size; ++fed) {
+        model_process(&ring, stream + fed - 1, 1);
+        while (model_recv(&ring, &msg) == MODEL_SUCCESS)
+            count_message(&count, &from, fed - ring.m_sz - msg.data_s - WIRE_OVERHEAD, fed - ring.m_sz);
+    }
+    return count;
+}
+
+static double percent(int part, int whole)
+{
+    return 100.0 * part / whole;
+}
+
+static void compare(const char *noise)
+{
+    struct count library = through_library(), model = through_model();
+    int at, frames = 0;
+
+    for (at = 0; at < size; ++at)
+        frames += intact[at];
+    printf("%-40s %6d intact frames: library %.2f %% and %d swallowed by chance, model %.2f %%\n", noise, frames,
+           percent(library.delivered, frames), library.swallowed, percent(model.delivered, frames));
+    CHECK_INT(library.delivered + library.swallowed, frames);
+    CHECK(library.delivered >= model.delivered);
+}
+
+int main(void)
+{
+    make_stream(0, 0, 0);
+    compare("no noise");
+    make_stream(1, 1, 0);
+    compare("garbage between frames");
+    make_stream(0, 0, 10);
+    compare("1 % of the frames damaged");
+    make_stream(1, 85, 0);
+    compare("garbage, a third of it '$'");
+    make_stream(1, 85, 10);
+    compare("that, and 1 % of the frames damaged");
+    return check_summary("noise");
+}
