@@ -1,41 +1,177 @@
-# libdeltarobot. `make` builds the library, `make test` tests it; README.md tells the rest.
+# libdeltarobot. `make` builds the library, `make help` lists the other targets, README.md tells the rest.
 
-VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)
-MAJOR   := $(firstword $(subst ., ,$(VERSION)))
-
-# Sizes, fixed at build time: bytes of a ring, and of the longest payload (1 to 255).
+# Bytes of a ring, and of the longest payload (1 to 255): fixed when the library is built.
 DP_BUFSIZE       ?= 128
 DP_DATA_MAX_SIZE ?= 32
-export DP_BUFSIZE DP_DATA_MAX_SIZE
+# Where the library, its symbolic links and its headers go: a path without spaces. Any number of sizes can be built
+# there one after the other.
+OUT              ?= target/release
 
-# Where the library, its symbolic links and its headers go.
-OUT ?= target/release
+# Rust's name of the machine to build for, when it is another one, and the prefix of its GNU binutils:
+# `make OUT=build/m0 DP_TARGET=thumbv6m-none-eabi CROSS_COMPILE=arm-none-eabi-`.
+DP_TARGET     ?= $(CARGO_BUILD_TARGET)
+CROSS_COMPILE ?=
+# Whether to build the shared library too. Bare metal has none.
+SHARED        ?= $(if $(findstring -none,$(DP_TARGET)),no,yes)
+# Whether to build serial.h's part too, which needs Unix and its libc.
+SERIAL        ?= $(if $(findstring -none,$(DP_TARGET)),no,yes)
 
-CARGO   ?= cargo
-OBJCOPY ?= objcopy
+PREFIX     ?= /usr/local
+LIBDIR     ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
 
-CARGO_DIR := $(OUT)/.cargo
-SONAME    := libdeltarobot.so.$(MAJOR)
-EXPORTS    = $(shell sed 's/@SIZES@/$(DP_BUFSIZE)_$(DP_DATA_MAX_SIZE)/' src/ffi/exports.txt)
+CARGO  ?= cargo
+CFLAGS ?= -O2
+ifeq ($(origin LD),default)
+LD := $(CROSS_COMPILE)ld
+endif
+ifeq ($(origin AR),default)
+AR := $(CROSS_COMPILE)ar
+endif
+NM      ?= $(CROSS_COMPILE)nm
+OBJCOPY ?= $(CROSS_COMPILE)objcopy
+STRIP   ?= $(CROSS_COMPILE)strip
 
-.PHONY: all lib header
+# `make V=1` shows the commands.
+ifneq ($(V),1)
+Q     := @
+QUIET := --quiet
+endif
+
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)
+SONAME  := libdeltarobot.so.$(firstword $(subst ., ,$(VERSION)))
+SIZES   := $(DP_BUFSIZE)_$(DP_DATA_MAX_SIZE)
+NAMES    = $(shell sed 's/@SIZES@/$(SIZES)/' src/ffi/exports.txt)
+EXPORTS  = $(filter-out dp_serial_%,$(NAMES)) $(SERIAL_EXPORTS)
+SERIAL_EXPORTS = $(if $(filter yes,$(SERIAL)),$(filter dp_serial_%,$(NAMES)))
+
+# Cargo's files (several OUTs can share them, one after the other), and the finished ones before they are put into
+# $(OUT): a plain `cargo build --release` writes its own libdeltarobot.a and .so into target/release.
+CARGO_DIR ?= $(OUT)/.cargo
+STAGE     := $(OUT)/.stage
+BUILT     := $(CARGO_DIR)/$(DP_TARGET)/release
+# Headers are generated into a directory of these sizes, so that none of other sizes can be mistaken for them.
+GENERATED := $(CARGO_DIR)/include/$(SIZES)
+
+# $(call renew,FILE,COPY): the copy keeps its time when nothing changed, so that what depends on it is not made again.
+# It is replaced, never written to: it may be a hard link of cargo's.
+renew = if ! cmp -s $(1) $(2); then cp $(1) $(2).new && mv -f $(2).new $(2); fi
+
+SHIPPED := $(STAGE)/libdeltarobot.a
+ifeq ($(SHARED),yes)
+SHIPPED += $(STAGE)/libdeltarobot.so
+endif
+
+.PHONY: all lib header test check-artifact install uninstall demo bench fuzz clean help FORCE
+.DELETE_ON_ERROR:
+
 all: lib
 
-# What is shipped: no std, no libc; in the .a one object with nothing but the public functions global.
-lib:
-	@mkdir -p $(OUT)/include/libdeltarobot
-	DP_HEADER_DIR=$(abspath $(OUT))/include/libdeltarobot $(CARGO) rustc --quiet --lib --release \
-	    --no-default-features --features panic-handler --crate-type staticlib,cdylib --target-dir $(CARGO_DIR) \
-	    -- -C link-arg=-Wl,-soname,$(SONAME) -C link-arg=-nostdlib
-	$(LD) -r --gc-sections $(EXPORTS:%=-u %) -o $(OUT)/.deltarobot.o $(CARGO_DIR)/release/libdeltarobot.a
-	$(OBJCOPY) --strip-debug --strip-unneeded $(EXPORTS:%=--keep-global-symbol=%) $(OUT)/.deltarobot.o
-	@rm -f $(OUT)/libdeltarobot.a
-	$(AR) rcsD $(OUT)/libdeltarobot.a $(OUT)/.deltarobot.o
-	@install -m 755 $(CARGO_DIR)/release/libdeltarobot.so $(OUT)/libdeltarobot.so.$(VERSION)
-	@strip --strip-unneeded $(OUT)/libdeltarobot.so.$(VERSION)
-	@ln -sf libdeltarobot.so.$(VERSION) $(OUT)/$(SONAME)
-	@ln -sf $(SONAME) $(OUT)/libdeltarobot.so
+lib: $(SHIPPED) ## builds the library (default)
+	$(Q)mkdir -p $(OUT)/include/libdeltarobot
+	$(Q)for header in $(notdir $(wildcard include/libdeltarobot/*)); do \
+	    from=$(GENERATED)/$$header; test -e $$from || from=include/libdeltarobot/$$header; \
+	    $(call renew,$$from,$(OUT)/include/libdeltarobot/$$header) || exit; \
+	done
+	$(Q)$(call renew,$(STAGE)/libdeltarobot.a,$(OUT)/libdeltarobot.a)
+ifeq ($(SHARED),yes)
+	$(Q)$(call renew,$(STAGE)/libdeltarobot.so,$(OUT)/libdeltarobot.so.$(VERSION))
+	$(Q)ln -sf libdeltarobot.so.$(VERSION) $(OUT)/$(SONAME)
+	$(Q)ln -sf $(SONAME) $(OUT)/libdeltarobot.so
+else
+	$(Q)rm -f $(OUT)/libdeltarobot.so*
+endif
+	@echo "lib: libdeltarobot $(VERSION) for $(DP_BUFSIZE)/$(DP_DATA_MAX_SIZE) bytes is in $(OUT)"
 
-# Renews the headers that are checked in, which are those of the default sizes.
-header:
-	DP_BUFSIZE=128 DP_DATA_MAX_SIZE=32 DP_HEADER_DIR=$(CURDIR)/include/libdeltarobot $(CARGO) check --quiet --target-dir target/header
+# Only cargo knows what has changed, so it is always asked; but the steps behind it look at what it made.
+# No std in it; of other libraries the .so needs libc, and that only for the serial port.
+$(STAGE)/cargo.a: FORCE
+	$(Q)mkdir -p $(STAGE)
+	+$(Q)DP_BUFSIZE='$(DP_BUFSIZE)' DP_DATA_MAX_SIZE='$(DP_DATA_MAX_SIZE)' DP_HEADER_DIR='$(GENERATED)' \
+	$(CARGO) rustc $(QUIET) --lib --release --no-default-features \
+	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
+	    --crate-type staticlib$(if $(filter yes,$(SHARED)),$(,)cdylib) \
+	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
+	    -- -C link-arg=-Wl,-soname,$(SONAME) -C link-arg=-nostdlib \
+	    $(if $(CROSS_COMPILE),-C linker=$(CROSS_COMPILE)gcc)
+	$(Q)$(call renew,$(BUILT)/libdeltarobot.a,$@)
+ifeq ($(SHARED),yes)
+	$(Q)$(call renew,$(BUILT)/libdeltarobot.so,$(STAGE)/cargo.so)
+endif
+$(STAGE)/cargo.so: $(STAGE)/cargo.a ;
+, := ,
+
+# Cargo's archive holds all of Rust's core library. Out of it comes one object with what the public functions need, in
+# which only they are global: nothing that a program's own functions, or another Rust library, could clash with. Rust's
+# bitcode goes, as some binutils read that instead of the code and fail. The serial port has an object of its own: only
+# programs that use it need what it needs.
+OBJECTS := $(STAGE)/deltarobot.o $(if $(SERIAL_EXPORTS),$(STAGE)/serial.o)
+$(STAGE)/deltarobot.linked.o $(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
+$(STAGE)/serial.linked.o $(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
+$(STAGE)/%.linked.o: $(STAGE)/cargo.a src/ffi/exports.txt Makefile
+	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $<
+	$(Q)$(OBJCOPY) -R .llvmbc -R .llvmcmd $@
+$(OBJECTS): %.o: %.linked.o
+	$(Q)$(OBJCOPY) --strip-unneeded $(OF_OBJECT:%=--keep-global-symbol=%) $< $@
+$(STAGE)/libdeltarobot.a: $(OBJECTS)
+	$(Q)rm -f $@ && $(AR) rcsD $@ $^
+$(STAGE)/libdeltarobot.so: $(STAGE)/cargo.so Makefile
+	$(Q)$(STRIP) --strip-unneeded -o $@ $<
+
+# Into a new directory each time: cargo then runs the generator even if it sees no need to.
+header: ## renews include/, which holds the headers of the default sizes
+	+$(Q)rm -rf target/header/include.* && new=target/header/include.$$$$ && \
+	DP_BUFSIZE=128 DP_DATA_MAX_SIZE=32 DP_HEADER_DIR=$$new \
+	    $(CARGO) check $(QUIET) --lib --target-dir target/header && \
+	for header in $$new/*; do \
+	    $(call renew,$$header,include/libdeltarobot/$${header##*/}) || exit; \
+	done
+	@echo "header: include/libdeltarobot is up to date"
+
+# The tests call `make` themselves: they shall not take this one's options for theirs.
+test: ## runs all tests; TESTFLAGS go to `cargo test`
+	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) $(TESTFLAGS)
+	@echo "test: passed"
+
+check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
+	$(Q)NM='$(NM)' READELF='$(CROSS_COMPILE)readelf' SHARED='$(SHARED)' SERIAL='$(SERIAL)' \
+	    packaging/check-artifact.sh $(OUT) $(STAGE) $(VERSION) $(EXPORTS)
+
+# `sudo make install` often finds no cargo: then what was built before is installed, if it has these sizes.
+install: $(if $(shell command -v $(CARGO)),lib) ## installs below PREFIX; also DESTDIR, LIBDIR, INCLUDEDIR
+install uninstall:
+	$(Q)DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	    OUT='$(OUT)' VERSION='$(VERSION)' DP_BUFSIZE='$(DP_BUFSIZE)' DP_DATA_MAX_SIZE='$(DP_DATA_MAX_SIZE)' \
+	    packaging/install.sh $@
+uninstall: ## removes what install put there, given the same directories
+
+demo: lib ## has a host program talk to a simulated robot over a pseudo-terminal
+	$(Q)mkdir -p $(STAGE)/demo
+	$(Q)$(call compile,$(STAGE)/demo/demo,demo.c line.c)
+	$(Q)$(call compile,$(STAGE)/demo/controller,controller.c robot.c line.c)
+	$(Q)$(call compile,$(STAGE)/demo/host,host.c robot.c line.c)
+	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/controller $(STAGE)/demo/host
+compile = $(CC) $(CPPFLAGS) $(CFLAGS) -I$(OUT)/include -o $(1) $(2:%=c_tests/demo/%) $(LDFLAGS) \
+    $(OUT)/libdeltarobot.a -lm
+
+bench: lib ## measures the library beside a model of the original
+	$(Q)c_tests/bench/run.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE)
+
+# Sanitizers are a feature of nightly compilers, which release compilers have behind this switch.
+fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
+	$(Q)for fuzzed in $(basename $(notdir $(wildcard fuzz/fuzz_targets/*.rs))); do \
+	    mkdir -p target/fuzz/corpus/$$fuzzed && RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run --target-dir target/fuzz $$fuzzed \
+	        target/fuzz/corpus/$$fuzzed -- -max_total_time=$(FUZZ_SECONDS) -max_len=1024 || exit; \
+	done
+	@echo "fuzz: nothing found"
+FUZZ_SECONDS ?= 600
+
+clean: ## removes what was built
+	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(OUT)/include/libdeltarobot $(OUT)/libdeltarobot.*
+	@echo "clean: removed target and the library in $(OUT)"
+
+help:
+	@sed -n 's/^\([a-z-]*\):.*## /  \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-17s %s\n", $$1, $$2 }'
+	@echo "Variables: DP_BUFSIZE DP_DATA_MAX_SIZE OUT DP_TARGET CROSS_COMPILE PREFIX LIBDIR INCLUDEDIR DESTDIR V=1"
+
+include $(wildcard firmware/*.mk)

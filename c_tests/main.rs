@@ -14,5 +14,6 @@ mod support;
 
 mod headers;
 mod oracle;
+mod packaging;
 mod programs;
 mod traces;

@@ -1,9 +1,9 @@
 /*
  * noise: how many of the intact frames of a noisy line are delivered, by the library and by the model of the original.
  *
- * The library has to deliver them all, but for those that begin inside a frame that the noise happened to make. For that
- * a false start has to find a ':' in the right place, and before it one of 256 bytes: the format can't tell it from a
- * frame.
+ * The library has to deliver them all, but for those that begin inside a frame that the noise happened to make. For
+ * that a false start has to find a ':' in the right place, and before it one of 256 bytes: the format can't tell it
+ * from a frame.
  */
 #include "libdeltarobot/protocol.h"
 
@@ -98,7 +98,7 @@ static int stands_at(int start, int opcode, const void *payload, int length)
     return start >= 0 && memcmp(frame, stream + start, (size_t)bytes) == 0;
 }
 
-/* Counts a message whose frame is stream[start..end]. Frames come in their order: *from is the end of the one before. */
+/* Counts a message whose frame is stream[start..end]. They come in their order: *from is the end of the one before. */
 static void count_message(struct count *count, int *from, int start, int end)
 {
     CHECK(start >= *from);

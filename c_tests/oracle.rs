@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{TestCaseResult, TestRunner};
 
-use crate::support::{DEFAULT, Library, Mode, Program, Sizes, build, command};
+use crate::support::{DEFAULT, Library, MODEL, Mode, Program, Sizes, build, command};
 
 const OPCODES: &[u8] = b"ANHSMChsme";
 const OVERHEAD: usize = 5;
@@ -183,12 +183,7 @@ struct Oracle {
 
 impl Oracle {
     fn start(sizes: Sizes) -> Self {
-        let program = Program::c99("oracle", &["oracle.c", "model/model.c"]).flags(match sizes {
-            Sizes { bufsize: 128, data_max: 32 } => &["-DDP_BUFSIZE=128", "-DDP_DATA_MAX_SIZE=32"],
-            Sizes { bufsize: 512, data_max: 255 } => &["-DDP_BUFSIZE=512", "-DDP_DATA_MAX_SIZE=255"],
-            Sizes { bufsize: 37, data_max: 32 } => &["-DDP_BUFSIZE=37", "-DDP_DATA_MAX_SIZE=32"],
-            _ => panic!("no flags for {sizes}"),
-        });
+        let program = Program::c99("oracle", &["oracle.c", MODEL]);
         let library = Library::of(sizes);
         let executable = build(&program, &library, Mode::Sanitized).expect("always built");
         let mut child = command(&executable, &library, Mode::Sanitized)

@@ -1,5 +1,5 @@
-//! What packagers and users of the library do with it: `make` with all its variables, `make install`, pkg-config, CMake,
-//! and trees in which this directory stands in the place of the original's.
+//! What packagers and users of the library do with it: `make` with all its variables, `make install`, pkg-config,
+//! CMake, and trees in which this directory stands in the place of the original's.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -86,8 +86,21 @@ fn out() -> PathBuf {
 fn tool(name: &str) -> Command {
     let mut command = Command::new(name);
     for variable in [
-        "MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CARGO_MAKEFLAGS", "OUT", "DP_BUFSIZE", "DP_DATA_MAX_SIZE", "DP_TARGET",
-        "CROSS_COMPILE", "SHARED", "DESTDIR", "PREFIX", "LIBDIR", "INCLUDEDIR", "V",
+        "MAKEFLAGS",
+        "MFLAGS",
+        "MAKELEVEL",
+        "CARGO_MAKEFLAGS",
+        "OUT",
+        "DP_BUFSIZE",
+        "DP_DATA_MAX_SIZE",
+        "DP_TARGET",
+        "CROSS_COMPILE",
+        "SHARED",
+        "DESTDIR",
+        "PREFIX",
+        "LIBDIR",
+        "INCLUDEDIR",
+        "V",
     ] {
         command.env_remove(variable);
     }
@@ -238,7 +251,10 @@ fn pkg_config_consumers(sandbox: &Sandbox, prefix: &Path, expected: &str) {
         for shared in [false, true] {
             let mut pkg_config = tool("pkg-config");
             pkg_config.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")).args(["--cflags", "--libs", "deltarobot"]);
-            let flags = success(&run(pkg_config.args(if shared { None } else { Some("--static") })));
+            let mut flags = success(&run(pkg_config.args(if shared { None } else { Some("--static") })));
+            if !shared {
+                flags = flags.replace("-ldeltarobot", "-Wl,-Bstatic -ldeltarobot -Wl,-Bdynamic");
+            }
             let executable = sandbox.path(&format!("consumer-{cpp}-{shared}"));
             let source = c_tests().join(if cpp { "packaging/consumer.cpp" } else { "packaging/consumer.c" });
             // By the shell, as Makefiles do it, because directories may have spaces.
@@ -246,7 +262,7 @@ fn pkg_config_consumers(sandbox: &Sandbox, prefix: &Path, expected: &str) {
             let compile = compiler(cpp);
             shell.args(["-c", &format!("exec \"$@\" {flags}"), "sh"]).arg(compile.get_program());
             shell.args(compile.get_args()).args(STRICT).arg("-o").arg(&executable).arg(source);
-            success(&run(shell.args(if shared { None } else { Some("-static") })));
+            success(&run(&mut shell));
             let mut consumer = Command::new(executable);
             if shared {
                 assert!(!run(&mut consumer).status.success(), "the shared library is not looked for");
@@ -319,7 +335,10 @@ fn add_subdirectory_with_ninja() {
     let sandbox = Sandbox::new("ninja");
     let how = ["-GNinja", "-DHOW=add_subdirectory", &format!("-DTREE={}", root().display())];
     assert_eq!(sandbox.cmake("C", "deltarobot", &how), DEFAULT);
-    assert_eq!(sandbox.cmake("C", "deltarobot", &[&how[..], &["-DDP_BUFSIZE=64"]].concat()), format!("{VERSION} 64 32\n"));
+    assert_eq!(
+        sandbox.cmake("C", "deltarobot", &[&how[..], &["-DDP_BUFSIZE=64"]].concat()),
+        format!("{VERSION} 64 32\n")
+    );
     // Everything is there: nothing but the question to cargo.
     let again = success(&run(tool("cmake").arg("--build").arg(sandbox.path("build-C-deltarobot"))));
     assert!(!again.contains("Linking"), "{again}");

@@ -1,7 +1,7 @@
 //! Each program linked statically, linked to the shared library, under the sanitizers, under valgrind, and for
 //! other sizes than the default.
 
-use crate::support::{DEFAULT, Language, Library, Mode, OTHERS, Program, build, check, command, run, text};
+use crate::support::{DEFAULT, Language, Library, MODEL, Mode, OTHERS, Program, build, check, command, run, text};
 
 macro_rules! in_every_mode {
     ($($name:ident: $program:expr;)*) => {$(
@@ -45,9 +45,28 @@ in_every_mode! {
     hostile: Program::c99("hostile", &["hostile.c"]);
     layout: Program::c99("layout", &["layout.c"]).language(Language::C11);
     layout_cpp: Program::c99("layout_cpp", &["layout_cpp.cpp"]).language(Language::Cpp98);
+    noise: Program::c99("noise", &["noise.c", MODEL]);
     reentrant: Program::c99("reentrant", &["reentrant.c"]);
     threads: Program::c99("threads", &["threads.c"]);
     two_units: Program::c99("two_units", &["two_units_a.c", "two_units_b.c"]);
+}
+
+/// The demonstration: its controller and its host have to be content with each other.
+mod demo {
+    use super::*;
+
+    const DEMO: Program = Program::c99("demo", &["demo/demo.c", "demo/line.c"]);
+    const CONTROLLER: Program = Program::c99("demo_controller", &["demo/controller.c", "demo/robot.c", "demo/line.c"]);
+    const HOST: Program = Program::c99("demo_host", &["demo/host.c", "demo/robot.c", "demo/line.c"]);
+
+    #[test]
+    fn under_the_sanitizers() {
+        let library = Library::of(DEFAULT);
+        let [demo, controller, host] =
+            [DEMO, CONTROLLER, HOST].map(|program| build(&program, &library, Mode::Sanitized).expect("always built"));
+        let output = run(command(&demo, &library, Mode::Sanitized).args([controller, host]));
+        assert!(output.status.success(), "{}", text(&output));
+    }
 }
 
 /// `send_opcode` is driven over a pseudo-terminal by `pty_run`.

@@ -77,6 +77,9 @@ impl Language {
     }
 }
 
+/// The model of the original.
+pub(crate) const MODEL: &str = "model/model.c";
+
 /// A program of this directory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Program {
@@ -161,6 +164,8 @@ impl Library {
             .env_remove("MFLAGS")
             .env_remove("MAKELEVEL")
             .env_remove("CARGO_MAKEFLAGS")
+            .env_remove("DP_TARGET")
+            .env_remove("SHARED")
             .output()
             .expect("make does not run")
     }
@@ -214,6 +219,11 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         .args(program.sources)
         .arg("-o")
         .arg(&executable);
+    if program.sources.contains(&MODEL) {
+        // It does not include the library's header, so nothing else tells it the sizes.
+        command.arg(format!("-DDP_BUFSIZE={}", library.sizes.bufsize));
+        command.arg(format!("-DDP_DATA_MAX_SIZE={}", library.sizes.data_max));
+    }
     if mode == Mode::Sanitized {
         command.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
     }

@@ -1,0 +1,109 @@
+#!/bin/sh
+# Installs what `make` has built, or removes it: `install.sh install|uninstall`, called by `make install|uninstall`,
+# which sets the variables. Directories may contain spaces.
+set -eu
+
+# absolute DIRECTORY: the same, from /, without slashes at its end.
+absolute() {
+    case $1 in
+        /*) path=$1 ;;
+        *) path=$PWD/$1 ;;
+    esac
+    while [ "${path%/}" != "$path" ]; do path=${path%/}; done
+    printf %s "$path"
+}
+prefix=$(absolute "$PREFIX")
+libdir=$(absolute "$LIBDIR")
+includedir=$(absolute "$INCLUDEDIR")
+
+headers=$includedir/libdeltarobot
+pkgconfig=$libdir/pkgconfig
+cmake=$libdir/cmake/deltarobot
+major=${VERSION%%.*}
+
+# put MODE FILE DIRECTORY
+put() {
+    mkdir -p "$DESTDIR$3"
+    install -m "$1" "$2" "$DESTDIR$3/${2##*/}"
+}
+
+# link TARGET NAME: a symbolic link in the library's directory.
+link() {
+    ln -sf "$1" "$DESTDIR$libdir/$2"
+}
+
+# below DIRECTORY VARIABLE: the directory, told relative to the variable that holds the prefix when it lies there: then
+# the whole tree can be moved.
+below() {
+    case $1/ in
+        "$prefix"/*) printf %s "\${$2}${1#"$prefix"}" ;;
+        *) printf %s "$1" ;;
+    esac
+}
+
+# escaped TEXT: as the replacement in sed's s|||.
+escaped() {
+    printf %s "$1" | sed 's/[\\&|]/\\&/g'
+}
+
+# template FILE DIRECTORY VARIABLE: the file in packaging/ with its placeholders filled in; the variable holds the
+# prefix in that file.
+template() {
+    mkdir -p "$DESTDIR$2"
+    sed -e "s|@VERSION@|$VERSION|g" -e "s|@MAJOR@|$major|g" \
+        -e "s|@DP_BUFSIZE@|$DP_BUFSIZE|g" -e "s|@DP_DATA_MAX_SIZE@|$DP_DATA_MAX_SIZE|g" \
+        -e "s|@PREFIX@|$(escaped "$prefix")|g" -e "s|@CMAKE_PREFIX@|$(escaped "$cmake_prefix")|g" \
+        -e "s|@LIBDIR@|$(escaped "$(below "$libdir" "$3")")|g" \
+        -e "s|@INCLUDEDIR@|$(escaped "$(below "$includedir" "$3")")|g" \
+        "packaging/$1" >"$DESTDIR$2/$1"
+    chmod 644 "$DESTDIR$2/$1"
+}
+
+# The prefix as the CMake files find it: so many directories above their own.
+case $cmake/ in
+    "$prefix"/*) cmake_prefix=\${_deltarobot_here}$(printf %s "${cmake#"$prefix"}" | sed 's,[^/][^/]*,..,g') ;;
+    *) cmake_prefix=$prefix ;;
+esac
+
+case $1 in
+    install)
+        # Without cargo, what is there may be anything.
+        if ! grep -qs "_${DP_BUFSIZE}_$DP_DATA_MAX_SIZE\"" "$OUT/include/libdeltarobot/protocol.h" ||
+            [ ! -e "$OUT/libdeltarobot.a" ]; then
+            echo "install: $OUT has no library for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes; build it with make first" >&2
+            exit 1
+        fi
+        for header in include/libdeltarobot/*; do
+            put 644 "$OUT/$header" "$headers"
+        done
+        put 644 "$OUT/libdeltarobot.a" "$libdir"
+        if [ -e "$OUT/libdeltarobot.so.$VERSION" ]; then
+            put 755 "$OUT/libdeltarobot.so.$VERSION" "$libdir"
+            link "libdeltarobot.so.$VERSION" "libdeltarobot.so.$major"
+            link "libdeltarobot.so.$major" libdeltarobot.so
+        fi
+        template deltarobot.pc "$pkgconfig" prefix
+        template deltarobot-config.cmake "$cmake" _deltarobot_prefix
+        template deltarobot-config-version.cmake "$cmake" _deltarobot_prefix
+        echo "install: libdeltarobot $VERSION for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes is in $DESTDIR$libdir"
+        ;;
+    uninstall)
+        for header in include/libdeltarobot/*; do
+            rm -f "$DESTDIR$headers/${header##*/}"
+        done
+        for file in .a .so ".so.$major" ".so.$VERSION"; do
+            rm -f "$DESTDIR$libdir/libdeltarobot$file"
+        done
+        rm -f "$DESTDIR$pkgconfig/deltarobot.pc" "$DESTDIR$cmake/deltarobot-config.cmake" \
+            "$DESTDIR$cmake/deltarobot-config-version.cmake"
+        # Only ours, and not if somebody put something there.
+        for directory in "$headers" "$cmake"; do
+            rmdir "$DESTDIR$directory" 2>/dev/null || true
+        done
+        echo "uninstall: libdeltarobot $VERSION is gone from $DESTDIR$libdir"
+        ;;
+    *)
+        echo "usage: $0 install|uninstall" >&2
+        exit 2
+        ;;
+esac
