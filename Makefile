@@ -19,6 +19,7 @@ SERIAL        ?= $(if $(findstring -none,$(DP_TARGET)),no,yes)
 PREFIX     ?= /usr/local
 LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
+BINDIR     ?= $(PREFIX)/bin
 
 CARGO  ?= cargo
 CFLAGS ?= -O2
@@ -62,7 +63,7 @@ ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/libdeltarobot.so
 endif
 
-.PHONY: all lib header test check-artifact install uninstall demo bench fuzz clean help FORCE
+.PHONY: all lib header test check-artifact install uninstall cli install-cli uninstall-cli demo bench fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -130,7 +131,7 @@ header: ## renews include/, which holds the headers of the default sizes
 
 # The tests call `make` themselves: they shall not take this one's options for theirs.
 test: ## runs all tests; TESTFLAGS go to `cargo test`
-	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) $(TESTFLAGS)
+	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) --features cli $(TESTFLAGS)
 	@echo "test: passed"
 
 check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
@@ -145,14 +146,26 @@ install uninstall:
 	    packaging/install.sh $@
 uninstall: ## removes what install put there, given the same directories
 
-demo: lib ## has a host program talk to a simulated robot over a pseudo-terminal
+# Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes are
+# always the default ones.
+cli: ## builds the program `deltarobot` into $(OUT)
+	+$(Q)mkdir -p $(OUT) && DP_BUFSIZE=128 DP_DATA_MAX_SIZE=32 $(CARGO) build $(QUIET) --release --features cli \
+	    --bin deltarobot --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
+	$(Q)$(call renew,$(BUILT)/deltarobot,$(OUT)/deltarobot)
+	@echo "cli: $(OUT)/deltarobot"
+
+install-cli: $(if $(shell command -v $(CARGO)),cli) ## installs the program in BINDIR, below PREFIX
+	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot '$(DESTDIR)$(BINDIR)/deltarobot'
+	@echo "install-cli: deltarobot is in $(DESTDIR)$(BINDIR)"
+uninstall-cli: ## removes it from there
+	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot'
+
+demo: lib cli ## has a host program in C talk to a simulated robot over a pseudo-terminal
 	$(Q)mkdir -p $(STAGE)/demo
-	$(Q)$(call compile,$(STAGE)/demo/demo,demo.c line.c)
-	$(Q)$(call compile,$(STAGE)/demo/controller,controller.c robot.c line.c)
-	$(Q)$(call compile,$(STAGE)/demo/host,host.c robot.c line.c)
-	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/controller $(STAGE)/demo/host
-compile = $(CC) $(CPPFLAGS) $(CFLAGS) -I$(OUT)/include -o $(1) $(2:%=c_tests/demo/%) $(LDFLAGS) \
-    $(OUT)/libdeltarobot.a -lm
+	$(Q)$(call compile,$(STAGE)/demo/demo,demo.c)
+	$(Q)$(call compile,$(STAGE)/demo/host,host.c)
+	$(Q)$(STAGE)/demo/demo $(OUT)/deltarobot $(STAGE)/demo/host
+compile = $(CC) $(CPPFLAGS) $(CFLAGS) -I$(OUT)/include -o $(1) $(2:%=c_tests/demo/%) $(LDFLAGS) $(OUT)/libdeltarobot.a
 
 bench: lib ## measures the library beside a model of the original
 	$(Q)c_tests/bench/run.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE)
@@ -167,7 +180,7 @@ fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
 FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
-	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(OUT)/include/libdeltarobot $(OUT)/libdeltarobot.*
+	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(OUT)/include/libdeltarobot $(OUT)/libdeltarobot.* $(OUT)/deltarobot
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:

@@ -3,11 +3,11 @@
 //! Reads from the environment: `DP_BUFSIZE` and `DP_DATA_MAX_SIZE` (see `src/config.rs`), and `DP_HEADER_DIR`,
 //! the directory that shall receive the headers (`make` sets it; without it they stay in cargo's `OUT_DIR`).
 
-use std::{env, error::Error, fs, path::Path};
+use std::{env, error::Error, fmt::Write, fs, path::Path};
 
 /// The headers: `NAME.h` is generated from `src/ffi/NAME.rs` (and the further files named here, for types whose
 /// layout it shows) with the settings in `src/ffi/NAME.toml`.
-const HEADERS: [(&str, &[&str]); 5] = [
+const HEADERS: [(&str, &[&str]); 6] = [
     ("protocol", &["src/deltarobot/ring.rs"]),
     ("protocol_ext", &[]),
     ("payload", &[]),
@@ -22,6 +22,7 @@ const HEADERS: [(&str, &[&str]); 5] = [
         ],
     ),
     ("controller", &["src/deltarobot/controller.rs"]),
+    ("serial", &["src/serial.rs"]),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -93,7 +94,7 @@ fn header(name: &str, types: &[&str], bufsize: &str, data_max: &str) -> Result<S
     let mut renames = String::from("#ifdef DP_SIZED_BY_MACRO\n");
     for declaration in text.split("DP_SIZED(\"").skip(1) {
         let function = declaration.split('"').next().unwrap_or_default();
-        renames += &format!("#define {function} {function}_{bufsize}_{data_max}\n");
+        writeln!(renames, "#define {function} {function}_{bufsize}_{data_max}")?;
     }
     renames += "#endif";
 

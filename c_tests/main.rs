@@ -12,6 +12,8 @@
 
 mod support;
 
+#[cfg(feature = "cli")]
+mod cli;
 mod headers;
 mod oracle;
 mod packaging;

@@ -40,33 +40,23 @@ macro_rules! in_every_mode {
 
 in_every_mode! {
     better: Program::c99("better", &["better.c"]);
+    controller: Program::c99("controller", &["controller.c"]);
     cross_comm: Program::c99("cross_comm", &["cross_comm.cpp"]).language(Language::Cpp98);
     ext: Program::c99("ext", &["ext.c"]);
     hostile: Program::c99("hostile", &["hostile.c"]);
+    host_link: Program::c99("host_link", &["host_link.c"]);
+    host_session: Program::c99("host_session", &["host_session.c"]);
     layout: Program::c99("layout", &["layout.c"]).language(Language::C11);
     layout_cpp: Program::c99("layout_cpp", &["layout_cpp.cpp"]).language(Language::Cpp98);
+    layout_session: Program::c99("layout_session", &["layout_session.c"]).language(Language::C11);
     noise: Program::c99("noise", &["noise.c", MODEL]);
+    payload: Program::c99("payload", &["payload.c"]);
+    pc_utils: Program::c99("pc_utils", &["pc_utils.cpp"]).language(Language::Cpp98);
     reentrant: Program::c99("reentrant", &["reentrant.c"]);
+    serial: Program::c99("serial", &["serial.c"]);
+    session_channel: Program::c99("session_channel", &["session_channel.c"]);
     threads: Program::c99("threads", &["threads.c"]);
     two_units: Program::c99("two_units", &["two_units_a.c", "two_units_b.c"]);
-}
-
-/// The demonstration: its controller and its host have to be content with each other.
-mod demo {
-    use super::*;
-
-    const DEMO: Program = Program::c99("demo", &["demo/demo.c", "demo/line.c"]);
-    const CONTROLLER: Program = Program::c99("demo_controller", &["demo/controller.c", "demo/robot.c", "demo/line.c"]);
-    const HOST: Program = Program::c99("demo_host", &["demo/host.c", "demo/robot.c", "demo/line.c"]);
-
-    #[test]
-    fn under_the_sanitizers() {
-        let library = Library::of(DEFAULT);
-        let [demo, controller, host] =
-            [DEMO, CONTROLLER, HOST].map(|program| build(&program, &library, Mode::Sanitized).expect("always built"));
-        let output = run(command(&demo, &library, Mode::Sanitized).args([controller, host]));
-        assert!(output.status.success(), "{}", text(&output));
-    }
 }
 
 /// `send_opcode` is driven over a pseudo-terminal by `pty_run`.
@@ -107,13 +97,15 @@ mod send_opcode {
     }
 }
 
-/// Whatever a program includes besides, a library that takes no memory and knows no files needs none of these.
+/// Only the serial port needs anything, and it is an object of its own.
 #[test]
-fn the_archive_needs_nothing() {
+fn the_archive_needs_nothing_but_for_the_serial_port() {
     let library = Library::of(DEFAULT);
     let output = run(std::process::Command::new("nm").arg("--undefined-only").arg(library.archive()));
     assert!(output.status.success(), "{}", text(&output));
     let undefined = String::from_utf8(output.stdout).unwrap();
-    let symbols: Vec<_> = undefined.lines().filter(|line| line.contains(" U ")).collect();
-    assert!(symbols.is_empty(), "the archive asks for {symbols:?}");
+    let (_, objects) = undefined.split_once("deltarobot.o:").unwrap();
+    let (deltarobot, serial) = objects.split_once("serial.o:").unwrap();
+    assert_eq!(deltarobot.trim(), "", "the archive asks for something");
+    assert!(serial.contains(" open"), "{serial}");
 }

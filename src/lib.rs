@@ -14,13 +14,13 @@
 //! The sizes of ring and payload are fixed when the library is built: see [`config`].
 //!
 //! ```
-//! use deltarobot::deltarobot::{Frame, NextFrame, Opcode, Ring};
+//! use deltarobot::deltarobot::{Opcode, Ring};
 //!
 //! let mut ring = Ring::new();
 //! ring.append(b"noise $S\x00\xB1:").unwrap();
 //! let Ok(frame) = ring.next_frame() else { panic!("the frame is intact") };
-//! assert_eq!(frame.opcode(), Opcode::STATUS);
-//! assert!(frame.payload().is_empty());
+//! assert_eq!(frame.opcode, Opcode::STATUS);
+//! assert!(frame.payload.is_empty());
 //! ```
 #![no_std]
 // Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the
@@ -35,3 +35,5 @@ pub mod deltarobot;
 pub mod ffi;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic_handler;
+#[cfg(all(unix, feature = "serial"))]
+pub mod serial;

@@ -1,39 +1,50 @@
 /*
- * demo CONTROLLER HOST: makes a pseudo-terminal, runs the controller at one end of it and the host at the other.
+ * demo DELTAROBOT HOST: runs `DELTAROBOT sim`, which makes a device, and HOST with that device.
  *
  * Exit status: the host's, or 1 when something else went wrong or it all took 10 s.
  */
 #define _XOPEN_SOURCE 700
-#define _DEFAULT_SOURCE
-#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #define LIMIT_S 10
 
-static pid_t controller, host;
+static volatile sig_atomic_t simulator, host;
 
-static void too_late(int signal_number)
+static void too_late(int number)
 {
     static const char text[] = "demo: not done in time\n";
 
-    (void)signal_number;
-    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
-        _exit(2);
+    (void)number;
     if (host > 0)
-        kill(host, SIGKILL);
-    if (controller > 0)
-        kill(controller, SIGKILL);
-    _exit(1);
+        kill((pid_t)host, SIGKILL);
+    if (simulator > 0)
+        kill((pid_t)simulator, SIGKILL);
+    _exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 2 : 1);
 }
 
 static int fail(const char *what)
 {
     perror(what);
     return 1;
+}
+
+/* Starts a program, its standard output redirected unless `output` is -1. */
+static pid_t start(const char *program, const char *argument, int output)
+{
+    pid_t child = fork();
+
+    if (child == 0) {
+        if (output >= 0)
+            dup2(output, STDOUT_FILENO);
+        execl(program, program, argument, (char *)NULL);
+        perror(program);
+        _exit(127);
+    }
+    return child;
 }
 
 static int exit_status(pid_t child)
@@ -46,48 +57,37 @@ static int exit_status(pid_t child)
 
 int main(int argc, char **argv)
 {
-    const char *device;
-    int robot_end, host_end, status;
+    char device[256];
+    FILE *told;
+    int output[2], status;
 
     if (argc != 3) {
-        fprintf(stderr, "usage: demo CONTROLLER HOST\n");
+        fprintf(stderr, "usage: demo DELTAROBOT HOST\n");
         return 2;
     }
-    robot_end = posix_openpt(O_RDWR | O_NOCTTY);
-    if (robot_end < 0 || grantpt(robot_end) != 0 || unlockpt(robot_end) != 0 || (device = ptsname(robot_end)) == NULL)
-        return fail("demo: no pseudo-terminal");
-    /* Held open, or the controller would see a line that hung up before the host comes. */
-    host_end = open(device, O_RDWR | O_NOCTTY);
-    if (host_end < 0)
-        return fail(device);
-    printf("The controller is at the other end of %s.\n", device);
-    fflush(stdout);
-
     signal(SIGALRM, too_late);
     alarm(LIMIT_S);
-    controller = fork();
-    if (controller < 0)
+    if (pipe(output) != 0)
+        return fail("demo: pipe");
+    simulator = start(argv[1], "sim", output[1]);
+    if (simulator < 0)
         return fail("demo: fork");
-    if (controller == 0) {
-        close(host_end);
-        dup2(robot_end, STDIN_FILENO);
-        dup2(robot_end, STDOUT_FILENO);
-        close(robot_end);
-        execl(argv[1], argv[1], (char *)NULL);
-        perror(argv[1]);
-        _exit(127);
+    close(output[1]);
+    told = fdopen(output[0], "r");
+    if (told == NULL || fgets(device, sizeof device, told) == NULL) {
+        fprintf(stderr, "demo: %s sim tells no device\n", argv[1]);
+        return 1;
     }
-    close(robot_end);
-    host = fork();
-    if (host == 0) {
-        execl(argv[2], argv[2], device, (char *)NULL);
-        perror(argv[2]);
-        _exit(127);
-    }
-    status = host < 0 ? fail("demo: fork") : exit_status(host);
-    close(host_end);
-    if (exit_status(controller) != 0) {
-        fprintf(stderr, "demo: the controller failed\n");
+    device[strcspn(device, "\n")] = '\0';
+    printf("A simulated robot is at %s.\n", device);
+    fflush(stdout);
+
+    host = start(argv[2], device, -1);
+    status = host < 0 ? fail("demo: fork") : exit_status((pid_t)host);
+    host = 0;
+    kill((pid_t)simulator, SIGTERM);
+    if (exit_status((pid_t)simulator) != 0) {
+        fprintf(stderr, "demo: the simulator failed\n");
         return 1;
     }
     return status;

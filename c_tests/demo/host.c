@@ -1,34 +1,127 @@
 /*
- * host DEVICE: drives a controller through a conversation, and prints each message in words. The device may be a real
- * one with a real robot behind it, which should have room to move.
- *
- * Exit status: 0 when everything happened as expected, 1 when something did not, 2 when there is no device to talk to.
+ * host DEVICE: a host program. Has a robot home and move, prints every message in words, and checks that each request ends
+ * as it should. Exit status 0 if all of them did, 1 if not, 2 when there is no device.
  */
-#define _DEFAULT_SOURCE
-#include "libdeltarobot/protocol.h"
-#include "line.h"
-#include "robot.h"
+#define _XOPEN_SOURCE 700
+#include "libdeltarobot/host.h"
+#include "libdeltarobot/protocol_ext.h"
+#include "libdeltarobot/serial.h"
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
-/* How long an answer, the next status report of a moving robot and homing may take. */
-#define ANSWER_MS 2000
-/* How long to listen where nothing shall come. */
-#define SILENCE_MS 100
+static struct dp_host session;
+static struct dp_serial port;
+static struct protocol_data sent; /* for printing */
+static struct protocol_msg_status_report last;
+static unsigned long began;
+static int expected, failed;
 
-struct host {
-    struct line line;
-    struct protocol_data ring;
-    unsigned long began;
-    int sent, received, expected, failed;
-};
-
-static void stamp(const struct host *host, const char *direction)
+static unsigned long now_ms(void)
 {
-    unsigned long ms = line_now() - host->began;
-    printf("%3lu.%03lu s  host %s controller  ", ms / 1000, ms % 1000, direction);
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (unsigned long)now.tv_sec * 1000 + (unsigned long)now.tv_nsec / 1000000 - began;
+}
+
+static void print(const char *arrow, const struct protocol_msg *msg)
+{
+    char text[DP_MSG_TEXT_MAX];
+    dp_msg_format(msg, text, sizeof text);
+    printf("%6.3f %s %s\n", (double)now_ms() / 1000, arrow, text);
+}
+
+static int print_sent(const struct protocol_msg *msg, void *usr)
+{
+    (void)usr;
+    print("->", msg);
+    return 0;
+}
+
+static int transmit(const char *bytes, int count)
+{
+    dp_process_each(&sent, bytes, count, print_sent, NULL);
+    return dp_serial_write(&port, bytes, count, 1000) == count ? 0 : -1;
+}
+
+/*
+ * Runs the session until the request of that opcode has ended, and returns how; -1 when the device is gone. Cancels once
+ * arm A is at `cancel_at` or beyond.
+ */
+static int run(unsigned char opcode, float cancel_at)
+{
+    char in[64], out[DP_HOST_OUTPUT_MAX];
+    int got = 0, taken = 0, count;
+
+    for (;;) {
+        struct dp_host_event event;
+
+        while (dp_host_poll(&session, now_ms(), &event) == DP_RC_SUCCESS) {
+            if (event.kind == DP_HOST_MESSAGE)
+                print("<-", &event.msg);
+            if (event.kind == DP_HOST_STATUS)
+                last = event.report;
+            if (event.kind == DP_HOST_STATUS && event.state == DP_STATUS_MOVING && last.DA >= cancel_at)
+                dp_host_cancel(&session);
+            if (event.kind == DP_HOST_ENDED && event.opcode == opcode)
+                return event.outcome;
+        }
+        while ((count = dp_host_output(&session, out, sizeof out, now_ms())) > 0)
+            if (transmit(out, count) != 0)
+                return -1;
+        if (taken == got) {
+            taken = 0;
+            got = dp_serial_read(&port, in, sizeof in, dp_host_next_deadline(&session, now_ms()));
+            if (got < 0)
+                return -1;
+        }
+        taken += dp_host_receive(&session, in + taken, got - taken, now_ms());
+    }
+}
+
+static void expect(int ok, const char *what)
+{
+    ++expected;
+    if (!ok) {
+        ++failed;
+        printf("%6.3f !! expected %s\n", (double)now_ms() / 1000, what);
+    }
+}
+
+static const char *outcome_name(int outcome)
+{
+    static const char *const names[] = {"?", "finished", "refused", "failed", "cancelled", "timed out"};
+    return outcome >= 0 && outcome <= DP_HOST_TIMED_OUT ? names[outcome] : dp_serial_error(&port);
+}
+
+static void expect_end(unsigned char opcode, int wanted, float cancel_at)
+{
+    int outcome = run(opcode, cancel_at);
+    printf("%6.3f    %s %s\n", (double)now_ms() / 1000, dp_opcode_name(opcode), outcome_name(outcome));
+    expect(outcome == wanted, outcome_name(wanted));
+}
+
+static void status(void)
+{
+    dp_host_status(&session);
+    expect_end(DP_OPCODE_STATUS, DP_HOST_FINISHED, 1e9f);
+}
+
+static void home(int wanted)
+{
+    dp_host_home(&session);
+    expect_end(DP_OPCODE_HOMING, wanted, 1e9f);
+}
+
+static void move(float a, float b, float c, int wanted, float cancel_at)
+{
+    struct protocol_msg_position target;
+    target.DA = a;
+    target.DB = b;
+    target.DC = c;
+    dp_host_move(&session, &target);
+    expect_end(DP_OPCODE_MOVE, wanted, cancel_at);
 }
 
 static void title(const char *text)
@@ -36,223 +129,64 @@ static void title(const char *text)
     printf("\n%s\n", text);
 }
 
-static int expect(struct host *host, int ok, const char *what)
+static int is_at(float a, float b, float c)
 {
-    ++host->expected;
-    if (!ok) {
-        ++host->failed;
-        printf("    NOT AS EXPECTED: %s\n", what);
-    }
-    return ok;
+    return last.DA == a && last.DB == b && last.DC == c;
 }
 
-static void send(struct host *host, struct protocol_msg *msg)
+static void converse(void)
 {
-    stamp(host, "->");
-    robot_print(msg);
-    ++host->sent;
-    expect(host, dp_send(msg, line_write, &host->line) == 0, "the line takes the request");
-}
-
-static void request(struct host *host, unsigned char opcode)
-{
-    struct protocol_msg msg;
-    robot_request(&msg, opcode);
-    send(host, &msg);
-}
-
-static void request_move(struct host *host, const float to[ARMS])
-{
-    struct protocol_msg msg;
-    robot_move(&msg, to);
-    send(host, &msg);
-}
-
-/* Waits for the next message. Returns 0, or -1 when none came in time. */
-static int receive(struct host *host, struct protocol_msg *msg, int timeout_ms)
-{
-    unsigned long end = line_now() + (unsigned long)timeout_ms;
-    long left;
-
-    while (dp_recv(&host->ring, msg) != DP_RC_SUCCESS) {
-        left = (long)(end - line_now());
-        if (left <= 0 || line_receive(&host->line, &host->ring, (int)left) < 0)
-            return -1;
-    }
-    stamp(host, "<-");
-    robot_print(msg);
-    ++host->received;
-    return 0;
-}
-
-static int expect_answer(struct host *host, unsigned char opcode, unsigned char answered)
-{
-    struct protocol_msg msg;
-    int came;
-
-    /* Reports of a moving robot may be on their way already. */
-    do
-        came = receive(host, &msg, ANSWER_MS) == 0;
-    while (came && msg.opcode == DP_OPCODE_STATUS_REPL);
-    return expect(host, came && msg.opcode == opcode && msg.data_s == 1 && (unsigned char)msg.data[0] == answered,
-                  opcode == DP_OPCODE_ACK ? "the request is acknowledged" : "the request is refused");
-}
-
-static int expect_status(struct host *host, struct status *status, int state, const char *what)
-{
-    struct protocol_msg msg;
-    memset(status, 0, sizeof *status);
-    return expect(host, receive(host, &msg, ANSWER_MS) == 0 && robot_read_status(&msg, status) == 0 &&
-                            status->state == state, what);
-}
-
-static void expect_silence(struct host *host, const char *what)
-{
-    struct protocol_msg msg;
-    expect(host, receive(host, &msg, SILENCE_MS) != 0, what);
-}
-
-/* Follows status reports until the robot is in another state than `state`, or `limit` came. Returns their number. */
-static int follow(struct host *host, struct status *status, int state, int limit)
-{
-    struct protocol_msg msg;
-    int count = 0;
-
-    do {
-        if (receive(host, &msg, ANSWER_MS) != 0 || robot_read_status(&msg, status) != 0) {
-            expect(host, 0, "status reports until the operation ends");
-            break;
-        }
-    } while (++count < limit && status->state == state);
-    return count;
-}
-
-static int arrived(const struct status *status, const float at[ARMS])
-{
-    int arm, here = status->known;
-    for (arm = 0; here && arm < ARMS; ++arm)
-        here = robot_distance(status->at[arm], at[arm]) <= ROBOT_TOLERANCE;
-    return here;
-}
-
-static void disturb(struct host *host, const char *bytes, size_t size)
-{
-    char noise[64];
-    size_t i;
-
-    memcpy(noise, bytes, size);
-    stamp(host, "->");
-    printf("noise:");
-    for (i = 0; i < size; ++i)
-        printf(" %02X", (unsigned)(unsigned char)noise[i]);
-    putchar('\n');
-    expect(host, line_write(noise, (int)size, &host->line) == 0, "the line takes the noise");
-}
-
-#define DISTURB(host, bytes) disturb((host), (bytes), sizeof(bytes) - 1)
-
-static void damage_move(struct host *host)
-{
-    static const char move_with_flipped_bit[] = "$M\x0C\0\0\x80\x3F\0\0\0\x40\0\0\x60\xC0\xD7:";
-    disturb(host, move_with_flipped_bit, sizeof move_with_flipped_bit - 1);
-}
-
-static void converse(struct host *host)
-{
-    static const float home[ARMS] = {0, 0, 0}, first[ARMS] = {10, 7.5f, 12.5f}, second[ARMS] = {80, 90, 80},
-                       beyond[ARMS] = {-5, 10, 10};
-    struct status status, before;
-    int reports;
-
     title("A robot that was just switched on does not know where its arms are, and refuses to move.");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_IDLE, "an idle robot");
-    expect(host, !status.known, "an unknown position");
-    request_move(host, first);
-    expect_answer(host, DP_OPCODE_NACK, DP_OPCODE_MOVE);
-    expect_silence(host, "a refusal without a status report");
+    status();
+    expect(last.DA != last.DA, "an unknown position");
+    move(10, 7.5f, 12.5f, DP_HOST_REFUSED, 1e9f);
 
     title("Homing: the arms go to their end stops.");
-    request(host, DP_OPCODE_HOMING);
-    expect_answer(host, DP_OPCODE_ACK, DP_OPCODE_HOMING);
-    expect_status(host, &status, DP_STATUS_HOMING, "homing began");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_HOMING, "homing goes on");
-    expect_status(host, &status, DP_STATUS_IDLE, "homing ended");
-    expect(host, status.stops == 7 && arrived(&status, home), "all arms at their end stops");
+    home(DP_HOST_FINISHED);
+    expect(is_at(0, 0, 0), "all arms at their end stops");
 
     title("A move, with a status report for each step of the encoders.");
-    request_move(host, first);
-    expect_answer(host, DP_OPCODE_ACK, DP_OPCODE_MOVE);
-    expect_status(host, &status, DP_STATUS_MOVING, "the move began");
-    reports = follow(host, &status, DP_STATUS_MOVING, 100);
-    expect(host, reports >= 5, "a report for each 2.5 units of the 12.5");
-    expect(host, status.state == DP_STATUS_IDLE && status.stops == 0 && arrived(&status, first),
-           "the arms at the target");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_IDLE, "an idle robot");
-    expect(host, arrived(&status, first), "the arms still there");
+    move(10, 7.5f, 12.5f, DP_HOST_FINISHED, 1e9f);
+    expect(is_at(10, 7.5f, 12.5f), "the arms at the target");
 
-    title("Noise with false starts directly before a request, which is answered all the same.");
-    DISTURB(host, "\x01\xFF$$$A$M\xFFn$C\0:$S\0\xB0:\x9B$h\x01\x80:::$");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_IDLE, "the request behind the noise is answered");
+    title("Noise that looks like the beginning of a long frame: the request behind it is answered all the same.");
+    expect(dp_serial_write(&port, "\xFF:$M\x10", 5, 1000) == 5, "noise on the line");
+    status();
 
-    title("Noise that looks like the beginning of a long frame: a request behind it is heard when the line is quiet.");
-    DISTURB(host, "$M\x10");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_IDLE, "the request behind the false start is answered");
-
-    title("A damaged request is lost: no answer, no movement.");
-    damage_move(host);
-    expect_silence(host, "nothing");
-    request(host, DP_OPCODE_STATUS);
-    expect_status(host, &status, DP_STATUS_IDLE, "an idle robot");
-    expect(host, arrived(&status, first), "the arms where they were");
-
-    title("A second move, cancelled on its way.");
-    before = status;
-    request_move(host, second);
-    expect_answer(host, DP_OPCODE_ACK, DP_OPCODE_MOVE);
-    expect_status(host, &status, DP_STATUS_MOVING, "the move began");
-    follow(host, &status, DP_STATUS_MOVING, 4);
-    request(host, DP_OPCODE_CANCEL);
-    expect_answer(host, DP_OPCODE_ACK, DP_OPCODE_CANCEL);
-    expect_status(host, &status, DP_STATUS_IDLE, "the move ended");
-    expect(host, status.at[1] > before.at[1] && status.at[1] < second[1], "the arms between start and target");
-    expect_silence(host, "no more reports");
+    title("A move that is cancelled on its way.");
+    move(60, 60, 60, DP_HOST_CANCELLED, 30);
+    expect(last.DA > 29 && last.DA < 60, "the arms between start and target");
 
     title("A move beyond an end stop is an error, in which everything but a status request is refused.");
-    request_move(host, beyond);
-    expect_answer(host, DP_OPCODE_ACK, DP_OPCODE_MOVE);
-    expect_status(host, &status, DP_STATUS_MOVING, "the move began");
-    follow(host, &status, DP_STATUS_MOVING, 100);
-    expect(host, status.state == DP_STATUS_ERROR && status.stops == 1, "an error at the end stop of arm A");
-    request(host, DP_OPCODE_HOMING);
-    expect_answer(host, DP_OPCODE_NACK, DP_OPCODE_HOMING);
-    expect_status(host, &status, DP_STATUS_ERROR, "the error stays");
+    move(-5, 10, 10, DP_HOST_FAILED, 1e9f);
+    home(DP_HOST_REFUSED);
+    status();
 }
 
 int main(int argc, char **argv)
 {
-    static struct host host;
-    int fd;
+    struct dp_host_settings settings;
+    const struct dp_host_health *health;
 
     if (argc != 2) {
         fprintf(stderr, "usage: host DEVICE\n");
         return 2;
     }
-    fd = open(argv[1], O_RDWR | O_NOCTTY);
-    if (fd < 0 || line_configure(fd) != 0) {
-        perror(argv[1]);
+    if (dp_serial_open(&port, argv[1], DP_SERIAL_BAUD) != DP_RC_SUCCESS) {
+        fprintf(stderr, "host: %s\n", dp_serial_error(&port));
         return 2;
     }
     setvbuf(stdout, NULL, _IOLBF, 0);
-    host.line.in = host.line.out = fd;
-    host.began = line_now();
-    converse(&host);
-    printf("\n%d messages sent, %d received in %.1f s; %d expectations, %d not met: %s\n", host.sent, host.received,
-           (double)(line_now() - host.began) / 1000, host.expected, host.failed,
-           host.failed ? "FAILED" : "all as expected");
-    return host.failed ? 1 : 0;
+    memset(&settings, 0, sizeof settings);
+    settings.messages = 1;
+    dp_host_init(&session, &settings);
+    began = now_ms();
+    converse();
+    health = dp_host_get_health(&session);
+    printf("\n%lu frames received, %lu requests repeated, %lu of %lu answers late, %lu ms for the slowest, in %.1f s; "
+           "%d expectations, %d not met: %s\n",
+           health->frames, health->repeats, health->timeouts, health->rtt_count + health->timeouts, health->rtt_max,
+           (double)now_ms() / 1000, expected, failed, failed ? "FAILED" : "all as expected");
+    dp_serial_close(&port);
+    return failed ? 1 : 0;
 }

@@ -196,7 +196,6 @@ pub(crate) fn compiler(cpp: bool) -> Command {
         .host(&HOST)
         .opt_level(1)
         .debug(true)
-        .warnings(false)
         .get_compiler()
         .to_command();
     command.args(STRICT);

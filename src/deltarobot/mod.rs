@@ -16,7 +16,7 @@ mod ring;
 mod shortcut;
 mod text;
 
-pub use controller::{Controller, Judgement, Order};
+pub use controller::{Dispatcher, Judgement, Order};
 pub use frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload, encode};
 pub(crate) use host::clock_time;
 pub use host::{Busy, Event, Health, Host, Link, Outcome, Request, Settings};

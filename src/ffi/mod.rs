@@ -22,6 +22,8 @@ mod memory;
 pub mod payload;
 pub mod protocol;
 pub mod protocol_ext;
+#[cfg(all(unix, feature = "serial"))]
+pub mod serial;
 
 /// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`.
 ///

@@ -1,0 +1,511 @@
+//! The program `deltarobot`, as it is used: its ends of a line, what it prints and how it exits.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::support::{DEFAULT, Library, Mode, Program, build, command, has_tool, out_dir, run, text};
+
+const FINISHED: i32 = 0;
+const NOT_DONE: i32 = 1;
+const USAGE: i32 = 2;
+const DEVICE: i32 = 3;
+const TIMED_OUT: i32 = 4;
+const CANCELLED: i32 = 5;
+
+fn deltarobot(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deltarobot"));
+    command.args(arguments).env_remove("DELTAROBOT_PORT");
+    command
+}
+
+/// Runs it to its end: the exit status and what it printed.
+fn outcome(arguments: &[&str]) -> (i32, Output) {
+    let output = run(&mut deltarobot(arguments));
+    (output.status.code().expect("not killed"), output)
+}
+
+/// Asserts the exit status; what it printed.
+fn printed(arguments: &[&str], status: i32) -> String {
+    let (code, output) = outcome(arguments);
+    assert_eq!(code, status, "{arguments:?}:\n{}", text(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Asserts the exit status; the last line it printed, which is JSON.
+fn json(arguments: &[&str], status: i32) -> Value {
+    let printed = printed(arguments, status);
+    serde_json::from_str(printed.lines().last().unwrap()).unwrap()
+}
+
+/// Asserts that it complains on one line, which has this in it.
+fn complains(arguments: &[&str], status: i32, about: &str) {
+    let (code, output) = outcome(arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((code, said.lines().count()), (status, 1), "{arguments:?}: {said}");
+    assert!(said.starts_with("deltarobot: ") && said.contains(about), "{arguments:?}: {said}");
+}
+
+/// A program that runs beside the others, and is ended with its last user.
+struct Running {
+    child: Child,
+    /// The device that it made.
+    device: String,
+}
+
+impl Running {
+    /// Starts what prints its device first.
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = deltarobot(arguments).stdout(Stdio::piped()).spawn().unwrap();
+        let mut device = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut device).unwrap();
+        assert!(!device.is_empty(), "{arguments:?} made no device");
+        Self { child, device: device.trim().to_owned() }
+    }
+
+    fn sim(arguments: &[&str]) -> Self {
+        Self::start(&[&["sim"], arguments].concat())
+    }
+
+    /// Ends it as Ctrl-C does; its exit status.
+    fn interrupt(&mut self) -> Option<i32> {
+        interrupt(&self.child);
+        self.child.wait().unwrap().code()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn interrupt(child: &Child) {
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+/// A path that nothing is at.
+fn fresh(name: &str) -> PathBuf {
+    let path = out_dir().join(name);
+    let _ = fs::remove_file(&path);
+    path
+}
+
+fn utf8(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Waits until that is so.
+fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !is_so() {
+        assert!(began.elapsed() < Duration::from_secs(20), "{what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+mod requests {
+    use super::*;
+
+    fn follow_a_session(layout: &str) {
+        let sim = Running::sim(&["--layout", layout, "--speed", "200"]);
+        let port = sim.device.as_str();
+
+        let status = json(&["status", port, "--json"], FINISHED);
+        assert_eq!((&status["outcome"], &status["status"]["position"]), (&"finished".into(), &Value::Null));
+        assert_eq!(json(&["move", "1", "2", "3", port, "--json"], NOT_DONE)["outcome"], "refused");
+        let homed = json(&["home", port, "--json"], FINISHED);
+        assert_eq!(
+            homed["status"],
+            serde_json::json!({ "state": "IDLE", "position": [0.0, 0.0, 0.0], "stops": ["A", "B", "C"] })
+        );
+        let moved = json(&["move", "20.1", "10", "5.5", "--port", port, "--json", "--layout", layout], FINISHED);
+        assert_eq!(moved["status"], serde_json::json!({ "state": "IDLE", "position": [20.1, 10.0, 5.5], "stops": [] }));
+        assert_eq!(moved["link"]["garbage_bytes"], 0);
+        let plain = printed(&["status", port], FINISHED);
+        assert_eq!(plain, "IDLE  DA=20.1  DB=10  DC=5.5\n");
+        let failed = json(&["move", "-5", "10", "5", port, "--json"], NOT_DONE);
+        assert_eq!((&failed["outcome"], &failed["status"]["state"]), (&"failed".into(), &"ERROR".into()));
+        assert_eq!(json(&["home", port, "--json"], NOT_DONE)["outcome"], "refused");
+    }
+
+    #[test]
+    fn to_a_controller_like_shipped_firmware() {
+        follow_a_session("firmware");
+    }
+
+    #[test]
+    fn to_a_controller_like_the_specification() {
+        follow_a_session("spec");
+    }
+
+    #[test]
+    fn plain_lines_where_there_is_no_terminal() {
+        let sim = Running::sim(&["--speed", "200"]);
+        let said = printed(&["home", &sim.device], FINISHED);
+        assert!(!said.contains(['\r', '\x1b']), "{said:?}");
+        assert!(said.starts_with("HOMING  ") && said.contains("\nhome finished after "), "{said}");
+    }
+
+    #[test]
+    fn an_operation_goes_on_without_us_and_is_cancelled() {
+        let sim = Running::sim(&["--speed", "20"]);
+        let port = sim.device.as_str();
+        printed(&["home", port], FINISHED);
+        assert_eq!(printed(&["move", "90", "90", "90", port, "--no-wait"], FINISHED), "move: accepted\n");
+        assert!(printed(&["status", port], FINISHED).starts_with("MOVING  "));
+        let cancelled = json(&["cancel", port, "--json"], FINISHED);
+        assert_eq!(cancelled["status"]["state"], "IDLE");
+        assert!(printed(&["status", port], FINISHED).starts_with("IDLE  "));
+    }
+
+    #[test]
+    fn an_interrupted_move_is_cancelled() {
+        let sim = Running::sim(&["--speed", "20"]);
+        printed(&["home", &sim.device], FINISHED);
+        let mut moving = deltarobot(&["move", "90", "90", "90", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut said = String::new();
+        BufReader::new(moving.stdout.take().unwrap()).read_line(&mut said).unwrap();
+        assert!(said.starts_with("MOVING  "), "{said}");
+        interrupt(&moving);
+        assert_eq!(moving.wait().unwrap().code(), Some(CANCELLED));
+        assert!(printed(&["status", &sim.device], FINISHED).starts_with("IDLE  "));
+    }
+
+    #[test]
+    fn the_port_may_come_from_the_environment() {
+        let sim = Running::sim(&[]);
+        let output = run(deltarobot(&["status"]).env("DELTAROBOT_PORT", &sim.device));
+        assert_eq!(output.status.code(), Some(FINISHED), "{}", text(&output));
+    }
+
+    #[test]
+    fn closed_standard_output_changes_nothing() {
+        let sim = Running::sim(&["--speed", "200"]);
+        let mut homing = deltarobot(&["home", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
+        drop(homing.stdout.take());
+        assert_eq!(homing.wait().unwrap().code(), Some(FINISHED));
+        let status = json(&["status", &sim.device, "--json"], FINISHED);
+        assert_eq!(status["status"]["position"], serde_json::json!([0.0, 0.0, 0.0]));
+    }
+}
+
+mod faults {
+    use super::*;
+
+    #[test]
+    fn lost_and_damaged_bytes_are_made_up_for() {
+        let sim = Running::sim(&["--lose", "0.01", "--flip", "0.005", "--seed", "7", "--speed", "200"]);
+        let homed = json(&["home", &sim.device, "--json"], FINISHED);
+        assert_eq!(homed["status"]["position"], serde_json::json!([0.0, 0.0, 0.0]));
+        let moved = json(&["move", "30", "40", "50", &sim.device, "--json"], FINISHED);
+        assert_eq!(moved["status"]["position"], serde_json::json!([30.0, 40.0, 50.0]));
+    }
+
+    #[test]
+    fn without_acks_the_reports_tell() {
+        let sim = Running::sim(&["--no-ack"]);
+        let homed = json(&["home", &sim.device, "--json"], FINISHED);
+        assert!(homed["link"]["timeouts"].as_u64().unwrap() > 0, "{homed}");
+    }
+
+    #[test]
+    fn a_dead_line_times_out() {
+        let sim = Running::sim(&["--lose", "1"]);
+        for request in ["home", "status", "cancel"] {
+            assert_eq!(json(&[request, &sim.device, "--json"], TIMED_OUT)["outcome"], "timed_out");
+        }
+    }
+
+    #[test]
+    fn a_device_that_disappears_is_named() {
+        let mut sim = Running::sim(&["--disconnect-after", "0.1"]);
+        let about = format!("{}: disconnected", sim.device);
+        complains(&["home", &sim.device], DEVICE, &about);
+        assert_eq!(sim.child.wait().unwrap().code(), Some(FINISHED));
+    }
+}
+
+mod devices {
+    use super::*;
+
+    #[test]
+    fn a_link_is_made_and_removed_again() {
+        let link = fresh("cli-link");
+        let mut sim = Running::sim(&["--link", utf8(&link)]);
+        assert_eq!(sim.device, utf8(&link));
+        printed(&["status", utf8(&link)], FINISHED);
+        assert_eq!(sim.interrupt(), Some(FINISHED));
+        assert!(fs::symlink_metadata(&link).is_err());
+
+        let mut killed = Running::sim(&["--link", utf8(&link)]);
+        killed.child.kill().unwrap();
+        killed.child.wait().unwrap();
+        drop(Running::sim(&["--link", utf8(&link)]));
+
+        let _ = fs::remove_file(&link);
+        fs::write(&link, "mine").unwrap();
+        complains(&["sim", "--link", utf8(&link)], DEVICE, "cli-link: File exists");
+        assert_eq!(fs::read(&link).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn a_device_is_not_shared() {
+        let sim = Running::sim(&["--speed", "20"]);
+        printed(&["home", &sim.device], FINISHED);
+        let mut moving = deltarobot(&["move", "90", "90", "90", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut said = String::new();
+        BufReader::new(moving.stdout.take().unwrap()).read_line(&mut said).unwrap();
+        complains(&["status", &sim.device], DEVICE, "in use by another program");
+        moving.kill().unwrap();
+        moving.wait().unwrap();
+    }
+
+    #[test]
+    fn what_is_missing_or_none_is_named() {
+        for command in [&["status"] as &[&str], &["home"], &["move", "1", "2", "3"], &["cancel"], &["monitor"]] {
+            complains(
+                &[command, &["/nonexistent/tty"]].concat(),
+                DEVICE,
+                "/nonexistent/tty: No such file or directory",
+            );
+            complains(&[command, &["/dev/null"]].concat(), DEVICE, "/dev/null: not a serial port");
+        }
+        complains(&["record", "/dev/null", "-"], DEVICE, "/dev/null: not a serial port");
+        complains(&["replay", "/nonexistent/file", "-"], DEVICE, "/nonexistent/file: No such file");
+        complains(&["replay", "/dev/null", "-"], DEVICE, "not a recording");
+        complains(&["monitor", "/"], DEVICE, "a directory");
+    }
+
+    #[test]
+    fn wrong_usage_is_told_on_one_line() {
+        let cases: [(&[&str], &str); 10] = [
+            (&[], "a subcommand is needed"),
+            (&["jump"], "unrecognized subcommand 'jump'"),
+            (&["home"], "<PORT>"),
+            (&["move", "1", "2", "/dev/ttyS0"], "'<C>'"),
+            (&["move", "1", "nan", "3", "/dev/ttyS0"], "finite"),
+            (&["status", "/dev/ttyS0", "--port", "/dev/ttyS1"], "cannot be used with"),
+            (&["status", "/dev/ttyS0", "--baud", "fast"], "'fast'"),
+            (&["sim", "--lose", "2"], "not a probability"),
+            (&["decode"], "<HEX>"),
+            (&["decode", "24 5"], "odd number"),
+        ];
+        for (arguments, about) in cases {
+            complains(arguments, USAGE, about);
+        }
+        assert!(printed(&["--help"], FINISHED).contains("Exit status:"));
+        assert_eq!(printed(&["--version"], FINISHED), concat!("deltarobot ", env!("CARGO_PKG_VERSION"), "\n"));
+    }
+}
+
+mod decode {
+    use super::*;
+
+    #[test]
+    fn frames_in_words() {
+        for (hex, words) in [
+            ("24 48 00 A6 3A", "HOMING!"),
+            ("24 53 00 B1 3A", "STATUS?"),
+            ("24 43 00 A1 3A", "CANCEL!"),
+            ("24 68 00 C6 3A", "HOMING_REPLY"),
+            ("24 6D 00 CB 3A", "MOVE_REPLY"),
+            ("24 65 00 C3 3A", "GENERAL_ERROR"),
+            ("24 41 01 48 E8 3A", "ACK: (HOMING!)"),
+            ("24 4E 01 4D FA 3A", "NACK"),
+            ("24 4D 0C 00 00 80 3F 00 00 00 40 00 00 60 C0 D6 3A", "MOVE!:  DA=1  DB=2  DC=-3.5"),
+        ] {
+            assert_eq!(printed(&["decode", hex], FINISHED), format!("{words}\n"));
+            let words: Vec<_> = hex.split(' ').collect();
+            let value = json(&[&["decode", "--json"], words.as_slice()].concat(), FINISHED);
+            assert_eq!(value["bytes"], hex);
+        }
+        let value = json(&["decode", "--json", "244d0c0000803f00000040000060c0d63a"], FINISHED);
+        assert_eq!((&value["opcode"], &value["target"]), (&"MOVE!".into(), &serde_json::json!([1.0, 2.0, -3.5])));
+        assert_eq!(json(&["decode", "--json", "24 41 01 48 E8 3A"], FINISHED)["answers"], "HOMING!");
+    }
+
+    #[test]
+    fn garbage_is_shown() {
+        let said = printed(&["decode", "FF 24 53 00 B1 3A 24 53 00 B2 3A 24 4D"], NOT_DONE);
+        assert_eq!(said, "garbage: FF\nSTATUS?\ngarbage: 24 53 00 B2 3A 24 4D (checksum B2 instead of B1)\n");
+        assert_eq!(printed(&["decode", ""], NOT_DONE), "");
+    }
+
+    #[test]
+    fn standard_output_that_is_full_is_an_error_and_one_that_is_closed_is_not() {
+        let mut command = deltarobot(&["decode", "24 53 00 B1 3A"]);
+        let full = command.stdout(fs::File::options().write(true).open("/dev/full").unwrap());
+        assert_eq!(full.status().unwrap().code(), Some(DEVICE));
+        let many = "24 53 00 B1 3A ".repeat(5000);
+        let mut child = deltarobot(&["decode", &many]).stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        assert_eq!(child.wait().unwrap().code(), Some(FINISHED));
+    }
+}
+
+mod sessions {
+    use super::*;
+
+    /// Frames that passed, in words and with their direction, by a recording.
+    fn frames(recording: &Path, from: &str) -> Vec<String> {
+        let said = printed(&["monitor", "--json", utf8(recording)], FINISHED);
+        let values = said.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        values.filter(|value| value["from"] == from).map(|value| value["bytes"].as_str().unwrap().to_owned()).collect()
+    }
+
+    /// Records what `talk` does at a device between it and a simulator.
+    fn record(name: &str, talk: impl FnOnce(&str)) -> PathBuf {
+        let file = fresh(name);
+        let sim = Running::sim(&["--speed", "200"]);
+        let mut tap = Running::start(&["record", &sim.device, utf8(&file), "--tap"]);
+        talk(&tap.device);
+        assert_eq!(tap.interrupt(), Some(FINISHED));
+        file
+    }
+
+    #[test]
+    fn a_recorded_session_is_replayed() {
+        let first = record("cli-session-1.txt", |port| {
+            printed(&["status", port], FINISHED);
+            printed(&["home", port], FINISHED);
+            printed(&["move", "10", "20", "30", port], FINISHED);
+        });
+        let requests = frames(&first, "host");
+        assert!(requests.contains(&"24 48 00 A6 3A".to_owned()), "{requests:?}");
+        let text = fs::read_to_string(&first).unwrap();
+        assert!(text.starts_with("# deltarobot recording 1\n") && text.contains(" > 24 53 00 B1 3A\n"), "{text}");
+
+        let second = record("cli-session-2.txt", |port| {
+            printed(&["replay", utf8(&first), port], FINISHED);
+            until("the robot has arrived", || {
+                printed(&["status", port], FINISHED).starts_with("IDLE  DA=10  DB=20  DC=30")
+            });
+        });
+        assert_eq!(frames(&second, "host")[..requests.len()], requests);
+
+        // The controller's side as bytes, which another monitor reads.
+        let replayed = run(&mut deltarobot(&["replay", utf8(&first), "-", "--side", "controller", "--fast"]));
+        assert_eq!(replayed.status.code(), Some(FINISHED), "{}", super::text(&replayed));
+        let raw = fresh("cli-session.raw");
+        fs::write(&raw, &replayed.stdout).unwrap();
+        let said = printed(&["monitor", utf8(&raw)], FINISHED);
+        let statistics = said.lines().last().unwrap();
+        let count = frames(&first, "controller").len();
+        assert!(statistics.contains(&format!(" {count} frames (")), "{statistics}");
+        assert!(statistics.ends_with(" 0 bytes of garbage, 0 wrong checksums"), "{statistics}");
+    }
+
+    /// A simulator that reports without being asked: an arm moves for a while.
+    fn reporting() -> Running {
+        let sim = Running::sim(&["--speed", "20"]);
+        printed(&["home", &sim.device], FINISHED);
+        printed(&["move", "90", "90", "90", &sim.device, "--no-wait"], FINISHED);
+        sim
+    }
+
+    #[test]
+    fn a_monitor_tells_what_it_saw_when_it_is_interrupted() {
+        let sim = reporting();
+        let mut monitor = deltarobot(&["monitor", &sim.device, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines().map(Result::unwrap);
+        let reports: Vec<_> = lines.by_ref().take(3).collect();
+        interrupt(&monitor);
+        let last = lines.last().unwrap();
+        assert_eq!(monitor.wait().unwrap().code(), Some(FINISHED));
+        for report in reports {
+            let report: Value = serde_json::from_str(&report).unwrap();
+            assert_eq!((&report["opcode"], &report["from"]), (&"STATUS_REPLY".into(), &"controller".into()));
+            assert_eq!(report["state"], "MOVING");
+        }
+        let statistics: Value = serde_json::from_str(&last).unwrap();
+        assert!(statistics["statistics"]["frames_by_opcode"]["STATUS_REPLY"].as_u64().unwrap() >= 3, "{last}");
+    }
+
+    #[test]
+    fn a_device_alone_is_recorded() {
+        let sim = reporting();
+        let file = fresh("cli-device.txt");
+        let mut record = deltarobot(&["record", &sim.device, utf8(&file)]).spawn().unwrap();
+        until("something was recorded", || fs::read_to_string(&file).is_ok_and(|text| text.lines().count() > 3));
+        interrupt(&record);
+        assert_eq!(record.wait().unwrap().code(), Some(FINISHED));
+        assert!(frames(&file, "controller").len() >= 3);
+        assert!(frames(&file, "host").is_empty());
+    }
+
+    #[test]
+    fn a_recording_is_shown_with_its_times_and_directions() {
+        let recording = fresh("cli-monitored.txt");
+        fs::write(
+            &recording,
+            "# deltarobot recording 1\n0.0 < FF 24 68 00 C6 3A\n0.1 < 24 53 00 B2 3A\n0.2 > 24 41 01 48 E8 3A\n",
+        )
+        .unwrap();
+        assert_eq!(
+            printed(&["monitor", utf8(&recording)], FINISHED),
+            "     0.000 < garbage: FF\n     0.000 < HOMING_REPLY\n     \
+             0.100 < garbage: 24 53 00 B2 3A (checksum B2 instead of B1)\n     0.200 > ACK: (HOMING!)\n\
+             17 bytes in 0.200 s: 2 frames (1 ACK, 1 HOMING_REPLY), 6 bytes of garbage, 1 wrong checksums\n"
+        );
+        let (_, replayed) = outcome(&["replay", utf8(&recording), "-", "--fast"]);
+        assert_eq!(replayed.stdout, b"$A\x01H\xE8:");
+    }
+
+    #[test]
+    fn a_monitor_reads_standard_input() {
+        let mut child =
+            deltarobot(&["monitor", "-", "--json"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(b"$A\x01H\xE8:junk$M\x0C$S\0\xB1:").unwrap();
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        let values: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!((&values[0]["opcode"], &values[0]["from"]), (&"ACK".into(), &Value::Null));
+        assert_eq!(values[1]["garbage"], "6A 75 6E 6B 24 4D 0C");
+        assert_eq!((&values[2]["opcode"], &values[2]["from"]), (&"STATUS?".into(), &"host".into()));
+        assert_eq!(values[3]["statistics"]["garbage_bytes"], 7);
+    }
+
+    #[test]
+    fn a_monitor_ends_with_its_reader() {
+        let mut child = deltarobot(&["monitor", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let mut input = child.stdin.take().unwrap();
+        until("the monitor ends", || {
+            let _ = input.write_all(b"$S\0\xB1:");
+            child.try_wait().unwrap().is_some()
+        });
+        assert_eq!(child.wait().unwrap().code(), Some(FINISHED));
+    }
+}
+
+/// On a terminal, which `script` gives it, the position is shown while the robot moves.
+#[test]
+fn a_live_line_on_a_terminal() {
+    if !has_tool("script", "--version") {
+        return;
+    }
+    let sim = Running::sim(&["--speed", "50"]);
+    let shell = format!("{} home {}", env!("CARGO_BIN_EXE_deltarobot"), sim.device);
+    let output = run(Command::new("script").args(["-qec", &shell, "/dev/null"]));
+    let said = text(&output);
+    assert!(output.status.success() && said.contains("\rHOMING  ") && said.contains("\x1b[K"), "{said:?}");
+    assert!(said.contains("home finished after "), "{said:?}");
+}
+
+/// The demonstration: the simulator and a host program in C have to be content with each other.
+#[test]
+fn the_demonstration() {
+    const DEMO: Program = Program::c99("demo", &["demo/demo.c"]);
+    const HOST: Program = Program::c99("demo_host", &["demo/host.c"]);
+    let library = Library::of(DEFAULT);
+    let [demo, host] = [DEMO, HOST].map(|program| build(&program, &library, Mode::Sanitized).expect("always built"));
+    let output = run(command(&demo, &library, Mode::Sanitized).arg(env!("CARGO_BIN_EXE_deltarobot")).arg(host));
+    assert!(output.status.success(), "{}", text(&output));
+}

@@ -1,0 +1,5 @@
+/* The model once more, under other names, for a compilation with other options. */
+#define model_process fast_process
+#define model_recv fast_recv
+#define model_send fast_send
+#include "../model/model.c"

@@ -1,0 +1,150 @@
+/* host.h, the rest: status requests, messages, health, the limits of its buffers, bad arguments. */
+#include "host_steps.h"
+
+#include <limits.h>
+
+#if HOST_WORKS
+
+static void status_is_requested(void)
+{
+    int i;
+    begin();
+    CHECK_INT(dp_host_status(&host), DP_RC_SUCCESS);
+    CHECK_INT(dp_host_status(&host), DP_RC_BUSY);
+    CHECK(sends("S"));
+    pass(7);
+    comes_report(DP_STATUS_ERROR, -1);
+    CHECK(tells(DP_HOST_ENDED, 'S', DP_HOST_FINISHED));
+    CHECK_INT(dp_host_get_health(&host)->rtt_count, 1);
+    CHECK_INT(dp_host_get_health(&host)->rtt_last, 7);
+
+    dp_host_status(&host);
+    for (i = 0; i < 4; ++i) {
+        CHECK(sends("S"));
+        pass(250);
+    }
+    CHECK(tells(DP_HOST_ENDED, 'S', DP_HOST_TIMED_OUT));
+}
+
+static void tells_messages_and_health(void)
+{
+    struct dp_host_settings settings;
+    const struct dp_host_health *health;
+
+    begin();
+    memset(&settings, 0, sizeof settings);
+    settings.messages = 1;
+    CHECK_INT(dp_host_init(&host, &settings), DP_RC_SUCCESS);
+    health = dp_host_get_health(&host);
+    CHECK_INT(dp_host_receive(&host, "xx$A\1H\xE9:", 8, now), 8);
+    comes('A', "H", 1);
+    comes('M', "123", 3);
+    CHECK_INT(dp_host_receive(&host, "$M", 2, now), 2);
+    CHECK(tells(DP_HOST_MESSAGE, 0, 0));
+    CHECK_INT(event.msg.opcode, 'A');
+    CHECK_INT(event.msg.data_s, 1);
+    CHECK_INT(event.msg.data[0], 'H');
+    CHECK(tells(DP_HOST_MESSAGE, 0, 0));
+    CHECK_INT(event.msg.data_s, 3);
+    CHECK_BYTES(event.msg.data, "123", 3);
+    CHECK(tells_nothing());
+    CHECK_INT(health->frames, 2);
+    CHECK_INT(health->garbage_bytes, 8);
+    CHECK_INT(health->checksum_failures, 1);
+    CHECK_INT(health->malformed, 1);
+    CHECK_INT(health->strays, 1);
+    /* The beginning of a frame is waited for until the line was quiet for long enough. */
+    CHECK_INT(dp_host_next_deadline(&host, now), 50);
+    pass(50);
+    CHECK(tells_nothing());
+    CHECK_INT(health->garbage_bytes, 10);
+    CHECK_INT(dp_host_next_deadline(&host, now), -1);
+}
+
+static void takes_what_fits(void)
+{
+    unsigned char bytes[DP_BUFSIZE + 10];
+    memset(bytes, 'x', sizeof bytes);
+    begin();
+    CHECK_INT(dp_host_receive(&host, bytes, (int)sizeof bytes, now), DP_BUFSIZE);
+    CHECK_INT(dp_host_receive(&host, bytes, 10, now), 0);
+    CHECK_INT(dp_host_get_health(&host)->overflows, 2);
+    CHECK(tells_nothing());
+    CHECK_INT(dp_host_receive(&host, bytes, 10, now), 10);
+
+    /* Output goes out in whole frames. */
+    dp_host_move(&host, &TARGET);
+    dp_host_status(&host);
+    CHECK(tells_nothing());
+    CHECK_INT(dp_host_output(&host, bytes, 4, now), 0);
+    CHECK_INT(dp_host_output(&host, bytes, 16, now), 5);
+    CHECK_INT(dp_host_output(&host, bytes, 16, now), 0);
+    CHECK_INT(dp_host_output(&host, bytes, 17, now), 17);
+    CHECK_BYTES(bytes, "$M\x0C\0\0\x80\x3F\0\0\0\x40\0\0\x60\xC0\xD6:", 17);
+}
+
+static void zero_is_a_session(void)
+{
+    memset(&host, 0, sizeof host);
+    now = 0;
+    CHECK(tells_nothing());
+    CHECK_INT(dp_host_next_deadline(&host, now), -1);
+    dp_host_home(&host);
+    CHECK(sends("H"));
+    CHECK_INT(dp_host_next_deadline(&host, now), 250);
+}
+
+static void bad_arguments_are_refused(void)
+{
+    struct protocol_msg_position bad = {0, 0, 0};
+    static const unsigned char NOT_FINITE[][4] = {{1, 0, 0x80, 0x7F}, {0, 0, 0x80, 0xFF}, {0xFF, 0xFF, 0xFF, 0xFF}};
+    unsigned i;
+
+    begin();
+    for (i = 0; i < 3; ++i) {
+        memcpy(&bad.DB, NOT_FINITE[i], 4);
+        CHECK_INT(dp_host_move(&host, &bad), DP_RC_ERROR_GENERIC);
+    }
+    CHECK_INT(dp_host_move(&host, NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_busy(&host), 0);
+    CHECK_INT(dp_host_receive(&host, NULL, 1, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_receive(&host, "x", INT_MIN, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_receive(&host, NULL, 0, now), 0);
+    CHECK_INT(dp_host_poll(&host, now, NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_output(&host, NULL, 1, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_output(&host, &bad, -1, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_output(&host, NULL, 0, now), 0);
+    CHECK_INT(dp_host_init(NULL, NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_home(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_move(NULL, &TARGET), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_cancel(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_status(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_receive(NULL, "x", 1, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_poll(NULL, now, &event), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_output(NULL, &bad, 5, now), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_next_deadline(NULL, now), -1);
+    CHECK_INT(dp_host_busy(NULL), 0);
+    CHECK(dp_host_get_health(NULL) == NULL);
+}
+
+int main(void)
+{
+    status_is_requested();
+    tells_messages_and_health();
+    takes_what_fits();
+    zero_is_a_session();
+    bad_arguments_are_refused();
+    return check_summary("host_link");
+}
+
+#else
+
+/* A session can't do anything, and does not. */
+int main(void)
+{
+    static struct dp_host host;
+    CHECK_INT(dp_host_home(&host), DP_RC_SUCCESS);
+    return check_summary("host_link");
+}
+
+#endif

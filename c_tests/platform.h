@@ -1,0 +1,181 @@
+/* A controller's firmware on controller.h, and the platform that it moves, at the far end of a line. */
+#ifndef PLATFORM_H
+#define PLATFORM_H
+
+#include "libdeltarobot/controller.h"
+
+#include "check.h"
+#include "line.h"
+
+static Line down, up;
+static struct dp_controller controller;
+
+/* What is known of the platform, and happened to it since the current request. */
+static struct {
+    int state;
+    int known;
+    float at[3], target[3];
+    unsigned long since, ends, step;
+    int firmware, stuck, stopping;
+    int homings, arrivals, faults, nacks, sendings; /* since the operation was requested */
+    float wanted[3];
+    unsigned long heard_at;
+} plant;
+
+/* Whether something was understood that nobody had sent. */
+static int forged;
+
+static int is_running(void)
+{
+    return plant.state == DP_STATUS_HOMING || plant.state == DP_STATUS_MOVING;
+}
+
+static void stand(int state)
+{
+    plant.state = state;
+    plant.stopping = 0;
+}
+
+static int start_homing(void *usr)
+{
+    (void)usr;
+    if (!was_sent(&down, DP_OPCODE_HOMING, "", 0))
+        forged = 1;
+    plant.state = DP_STATUS_HOMING;
+    plant.stopping = 0;
+    plant.ends = now + 100 + below(1500);
+    return 0;
+}
+
+static int start_move(const struct protocol_msg_position *target, void *usr)
+{
+    (void)usr;
+    if (!was_sent(&down, DP_OPCODE_MOVE, target, 12))
+        forged = 1;
+    plant.target[0] = target->DA;
+    plant.target[1] = target->DB;
+    plant.target[2] = target->DC;
+    plant.state = DP_STATUS_MOVING;
+    plant.stopping = 0;
+    /* Some moves are over before anybody looks. */
+    plant.ends = now + (below(8) == 0 ? below(3) : 50 + below(1500));
+    plant.step = now + 50;
+    return 0;
+}
+
+static int stop(void *usr)
+{
+    (void)usr;
+    if (!was_sent(&down, DP_OPCODE_CANCEL, "", 0))
+        forged = 1;
+    if (is_running() && !plant.stopping) {
+        int i;
+        for (i = 0; i < 3; ++i)
+            plant.at[i] = (plant.at[i] + plant.target[i]) / 2 + 1;
+        /* Some need time to stand. */
+        plant.stuck = 0;
+        if (below(2)) {
+            plant.stopping = 1;
+            plant.ends = now + below(200);
+        } else {
+            stand(DP_STATUS_IDLE);
+        }
+    }
+    return 0;
+}
+
+static void read_status(struct protocol_msg_status_report *report, void *usr)
+{
+    static const unsigned char UNKNOWN[4] = {0x01, 0x00, 0x80, 0x7F};
+    (void)usr;
+    if (plant.known) {
+        report->DA = plant.at[0];
+        report->DB = plant.at[1];
+        report->DC = plant.at[2];
+    } else {
+        memcpy(&report->DA, UNKNOWN, 4);
+        memcpy(&report->DB, UNKNOWN, 4);
+        memcpy(&report->DC, UNKNOWN, 4);
+    }
+    report->STAT = (unsigned char)(plant.state | (int)below(8) << 2);
+}
+
+static int send_up(void *buf, int bytes, void *usr)
+{
+    unsigned char frame[WIRE_FRAME_MAX];
+    const unsigned char *given = buf;
+    (void)usr;
+    memcpy(frame, given, (size_t)bytes);
+    if (plant.firmware && frame[1] == DP_OPCODE_STATUS_REPL) {
+        unsigned char payload[16];
+        memcpy(payload, frame + 3, 16);
+        payload[12] |= 0xE0;
+        wire_random_bytes(&seed, payload + 13, 3);
+        wire_frame(frame, DP_OPCODE_STATUS_REPL, payload, 16);
+    }
+    if (frame[1] == DP_OPCODE_NACK)
+        ++plant.nacks;
+    transmit(&up, frame, bytes);
+    return bytes;
+}
+
+static const struct dp_controller_calls CALLS = {start_homing, start_move, stop, read_status, send_up};
+
+static void platform_moves(void)
+{
+    if (!is_running())
+        return;
+    if (now >= plant.ends && !plant.stuck) {
+        if (plant.stopping) {
+            stand(DP_STATUS_IDLE);
+        } else if (plant.state == DP_STATUS_HOMING) {
+            plant.known = 1;
+            plant.at[0] = plant.at[1] = plant.at[2] = 0;
+            ++plant.homings;
+            stand(DP_STATUS_IDLE);
+        } else {
+            memcpy(plant.at, plant.target, sizeof plant.at);
+            if (memcmp(plant.at, plant.wanted, sizeof plant.at) == 0)
+                ++plant.arrivals;
+            stand(DP_STATUS_IDLE);
+        }
+    } else if (plant.state == DP_STATUS_MOVING && now >= plant.step) {
+        plant.step = now + 50;
+        if (plant.firmware)
+            dp_controller_report(&controller);
+    }
+}
+
+static int controller_flags;
+
+static void reset_controller(void)
+{
+    CHECK_INT(dp_controller_init(&controller, &CALLS, NULL, plant.firmware ? DP_LAYOUT_FIRMWARE : DP_LAYOUT_SPEC,
+                                 controller_flags),
+              DP_RC_SUCCESS);
+    plant.known = 0;
+    plant.stuck = 0;
+    stand(DP_STATUS_IDLE);
+    ++plant.faults;
+}
+
+static void controller_runs(void)
+{
+    unsigned char bytes[64];
+    int length;
+
+    platform_moves();
+    while ((length = arrived(&down, bytes, 1 + (int)below(DP_BUFSIZE < 64 ? DP_BUFSIZE : 64))) > 0) {
+        int rc = dp_controller_receive(&controller, bytes, length);
+        /* Small rings are too full at times: one more fault of the line. */
+        CHECK(rc == DP_RC_SUCCESS || (rc == DP_RC_OVERFLOW && DP_BUFSIZE < DP_DATA_MAX_SIZE + 5 + 64));
+        plant.heard_at = now;
+        while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+            ;
+    }
+    while ((now - plant.heard_at >= 20 ? dp_controller_poll_idle(&controller) : dp_controller_poll(&controller)) ==
+           DP_RC_SUCCESS)
+        ;
+}
+
+#endif

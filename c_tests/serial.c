@@ -1,0 +1,450 @@
+/* serial.h over pseudo-terminals, whose other end is driven by this program, a thread of it or a child. */
+#define _XOPEN_SOURCE 700
+#define _DEFAULT_SOURCE
+#include "libdeltarobot/serial.h"
+
+#include "check.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#define MEGABYTE (1 << 20)
+
+struct pair {
+    int far_end;
+    struct dp_serial port;
+    char device[128];
+};
+
+static unsigned long now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (unsigned long)now.tv_sec * 1000 + (unsigned long)now.tv_nsec / 1000000;
+}
+
+static void make_pty(struct pair *pair)
+{
+    const char *name;
+    pair->far_end = posix_openpt(O_RDWR | O_NOCTTY);
+    if (pair->far_end < 0 || grantpt(pair->far_end) != 0 || unlockpt(pair->far_end) != 0 ||
+        (name = ptsname(pair->far_end)) == NULL) {
+        perror("serial: no pseudo-terminal");
+        exit(2);
+    }
+    strcpy(pair->device, name);
+}
+
+static void connect_pair(struct pair *pair)
+{
+    make_pty(pair);
+    memset(&pair->port, 0xA5, sizeof pair->port);
+    if (!CHECK_INT(dp_serial_open(&pair->port, pair->device, 0), DP_RC_SUCCESS)) {
+        fprintf(stderr, "    %s\n", dp_serial_error(&pair->port));
+        exit(1);
+    }
+    CHECK(dp_serial_error(&pair->port)[0] == '\0');
+}
+
+static void disconnect_pair(struct pair *pair)
+{
+    CHECK_INT(dp_serial_close(&pair->port), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_close(&pair->port), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_read(&pair->port, pair->device, 1, 0), -DP_RC_ERROR_GENERIC);
+    if (pair->far_end >= 0)
+        close(pair->far_end);
+}
+
+/* The error names the device and says `what`. */
+static void check_error(const struct dp_serial *port, const char *device, const char *what)
+{
+    const char *text = dp_serial_error(port);
+    if (!CHECK(strncmp(text, device, strlen(device)) == 0 && strstr(text, what) != NULL))
+        fprintf(stderr, "    it said: %s\n", text);
+}
+
+static void layout(void)
+{
+    CHECK_INT(offsetof(struct dp_serial, fd), 0);
+    CHECK_INT(offsetof(struct dp_serial, is_open), sizeof(int));
+    CHECK_INT(offsetof(struct dp_serial, has_failed), 2 * sizeof(int));
+    CHECK_INT(offsetof(struct dp_serial, name_length), 3 * sizeof(int));
+    CHECK_INT(offsetof(struct dp_serial, text), 4 * sizeof(int));
+    CHECK_INT(sizeof(struct dp_serial), 4 * sizeof(int) + DP_SERIAL_TEXT_MAX);
+}
+
+static void settings_are_those_of_the_link(void)
+{
+    static const struct {
+        unsigned long baud;
+        speed_t speed;
+    } speeds[] = {{0, B115200}, {DP_SERIAL_BAUD, B115200}, {1200, B1200}, {9600, B9600}, {57600, B57600}, {230400, B230400}};
+    struct pair pair;
+    size_t i;
+
+    make_pty(&pair);
+    for (i = 0; i < sizeof speeds / sizeof *speeds; ++i) {
+        struct termios got;
+        CHECK_INT(dp_serial_open(&pair.port, pair.device, speeds[i].baud), DP_RC_SUCCESS);
+        CHECK_INT(tcgetattr(pair.port.fd, &got), 0);
+        CHECK_INT(cfgetospeed(&got), speeds[i].speed);
+        CHECK_INT(cfgetispeed(&got), speeds[i].speed);
+        CHECK((got.c_cflag & CSIZE) == CS8);
+        CHECK((got.c_cflag & (CSTOPB | PARENB | CRTSCTS)) == 0);
+        CHECK((got.c_cflag & (CLOCAL | CREAD)) == (CLOCAL | CREAD));
+        CHECK((got.c_lflag & (ICANON | ECHO | ECHONL | ISIG | IEXTEN)) == 0);
+        CHECK((got.c_iflag & (IXON | IXOFF | ICRNL | INLCR | IGNCR | ISTRIP | PARMRK | BRKINT | IGNBRK)) == 0);
+        CHECK((got.c_oflag & OPOST) == 0);
+        CHECK(got.c_cc[VMIN] == 1 && got.c_cc[VTIME] == 0);
+        CHECK((fcntl(pair.port.fd, F_GETFL) & O_NONBLOCK) != 0);
+        CHECK((fcntl(pair.port.fd, F_GETFD) & FD_CLOEXEC) != 0);
+        CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    }
+    CHECK_INT(dp_serial_open(&pair.port, pair.device, 12345), DP_RC_DEVICE);
+    check_error(&pair.port, pair.device, ": 12345 baud is no standard speed");
+    close(pair.far_end);
+}
+
+static void bytes_pass_as_they_are(void)
+{
+    struct pair pair;
+    unsigned char all[256], got[300];
+    int i, count = 0;
+
+    connect_pair(&pair);
+    for (i = 0; i < 256; ++i)
+        all[i] = (unsigned char)i;
+    CHECK_INT(dp_serial_write(&pair.port, all, 256, 1000), 256);
+    CHECK_INT(dp_serial_drain(&pair.port), DP_RC_SUCCESS);
+    for (count = 0; count < 256;) {
+        ssize_t part = read(pair.far_end, got + count, (size_t)(300 - count));
+        if (!CHECK(part > 0))
+            break;
+        count += (int)part;
+    }
+    CHECK_BYTES(got, all, 256);
+    CHECK_INT(write(pair.far_end, all, 256), 256);
+    for (count = 0; count < 256;) {
+        int part = dp_serial_read(&pair.port, got + count, 100, 1000);
+        if (!CHECK(part > 0 && part <= 100))
+            break;
+        count += part;
+    }
+    CHECK_BYTES(got, all, 256);
+
+    CHECK_INT(write(pair.far_end, all, 256), 256);
+    while (poll(&(struct pollfd){pair.port.fd, POLLIN, 0}, 1, 1000) == 0)
+        ;
+    CHECK_INT(dp_serial_discard(&pair.port), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_read(&pair.port, got, 100, 50), 0);
+    disconnect_pair(&pair);
+}
+
+static void messages_are_sent(void)
+{
+    struct pair pair;
+    struct protocol_msg msg;
+    char got[5];
+
+    connect_pair(&pair);
+    memset(&msg, 0, sizeof msg);
+    msg.opcode = DP_OPCODE_STATUS;
+    CHECK_INT(dp_send(&msg, dp_serial_send, &pair.port), DP_RC_SUCCESS);
+    CHECK_INT(read(pair.far_end, got, 5), 5);
+    CHECK_BYTES(got, "$S\0\xB1:", 5);
+    disconnect_pair(&pair);
+    CHECK_INT(dp_send(&msg, dp_serial_send, &pair.port), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_send(&msg, dp_serial_send, NULL), DP_RC_ERROR_GENERIC);
+}
+
+static void the_device_is_exclusive(void)
+{
+    struct pair pair;
+    struct dp_serial second;
+    struct termios before, after;
+
+    connect_pair(&pair);
+    CHECK_INT(tcgetattr(pair.port.fd, &before), 0);
+    CHECK_INT(dp_serial_open(&second, pair.device, 9600), DP_RC_DEVICE);
+    check_error(&second, pair.device, ": in use by another program");
+    CHECK_INT(dp_serial_read(&second, &before, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(tcgetattr(pair.port.fd, &after), 0);
+    CHECK_INT(cfgetospeed(&after), B115200); /* who was refused has changed nothing */
+    if (geteuid() != 0) {
+        CHECK_INT(open(pair.device, O_RDWR | O_NOCTTY), -1);
+        CHECK_INT(errno, EBUSY);
+    }
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_open(&second, pair.device, 9600), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_close(&second), DP_RC_SUCCESS);
+    close(pair.far_end);
+}
+
+static void reading_ends_in_time(void)
+{
+    static const long waits[] = {0, 1, 150};
+    struct pair pair;
+    char byte;
+    size_t i;
+
+    connect_pair(&pair);
+    for (i = 0; i < sizeof waits / sizeof *waits; ++i) {
+        unsigned long began = now_ms();
+        long took;
+        CHECK_INT(dp_serial_read(&pair.port, &byte, 1, waits[i]), 0);
+        took = (long)(now_ms() - began);
+        CHECK(took >= waits[i] - 1 && took < waits[i] + 5000);
+    }
+    CHECK_INT(write(pair.far_end, "x", 1), 1);
+    CHECK_INT(dp_serial_read(&pair.port, &byte, 1, -1), 1);
+    CHECK_INT(byte, 'x');
+    CHECK_INT(dp_serial_read(&pair.port, &byte, 0, -1), 0);
+    disconnect_pair(&pair);
+}
+
+static void on_alarm(int number)
+{
+    (void)number;
+}
+
+static void handle_alarms(long interval_us)
+{
+    struct sigaction action;
+    struct itimerval timer;
+
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_alarm;
+    CHECK_INT(sigaction(SIGALRM, &action, NULL), 0);
+    memset(&timer, 0, sizeof timer);
+    timer.it_value.tv_usec = timer.it_interval.tv_usec = interval_us;
+    CHECK_INT(setitimer(ITIMER_REAL, &timer, NULL), 0);
+}
+
+static void a_signal_ends_reading(void)
+{
+    struct pair pair;
+    char byte;
+
+    connect_pair(&pair);
+    handle_alarms(20000);
+    CHECK_INT(dp_serial_read(&pair.port, &byte, 1, -1), 0);
+    handle_alarms(0);
+    disconnect_pair(&pair);
+}
+
+static void fill(char *bytes, int count)
+{
+    int i;
+    for (i = 0; i < count; ++i)
+        bytes[i] = (char)(i * 31 + (i >> 8));
+}
+
+/* Reads a little at a time, and compares. */
+static void *slow_reader(void *usr)
+{
+    const struct pair *pair = usr;
+    static char expected[MEGABYTE], got[MEGABYTE];
+    int count = 0;
+
+    fill(expected, MEGABYTE);
+    while (count < MEGABYTE) {
+        size_t rest = (size_t)(MEGABYTE - count);
+        ssize_t part = read(pair->far_end, got + count, rest < 3001 ? rest : 3001);
+        if (part < 0 && errno == EINTR)
+            continue;
+        if (part <= 0)
+            break;
+        count += (int)part;
+        if (count % 64 == 0)
+            usleep(1000);
+    }
+    return count == MEGABYTE && memcmp(got, expected, MEGABYTE) == 0 ? usr : NULL;
+}
+
+/* With signals coming in, and in pieces: nothing is lost or sent twice. */
+static void a_megabyte_goes_through_a_slow_reader(void)
+{
+    static char bytes[MEGABYTE];
+    struct pair pair;
+    pthread_t reader;
+    sigset_t alarms;
+    void *result = NULL;
+
+    connect_pair(&pair);
+    fill(bytes, MEGABYTE);
+    /* The signals are for this thread alone. */
+    sigemptyset(&alarms);
+    sigaddset(&alarms, SIGALRM);
+    pthread_sigmask(SIG_BLOCK, &alarms, NULL);
+    CHECK_INT(pthread_create(&reader, NULL, slow_reader, &pair), 0);
+    pthread_sigmask(SIG_UNBLOCK, &alarms, NULL);
+    handle_alarms(3000);
+    CHECK_INT(dp_serial_write(&pair.port, bytes, MEGABYTE, 60000), MEGABYTE);
+    handle_alarms(0);
+    pthread_join(reader, &result);
+    CHECK(result != NULL);
+    disconnect_pair(&pair);
+}
+
+static void writing_ends_in_time(void)
+{
+    static char bytes[MEGABYTE];
+    struct pair pair;
+    unsigned long began = now_ms();
+    int written;
+
+    connect_pair(&pair);
+    handle_alarms(20000); /* which end no waiting */
+    written = dp_serial_write(&pair.port, bytes, MEGABYTE, 150);
+    handle_alarms(0);
+    CHECK(written > 0 && written < MEGABYTE);
+    CHECK(now_ms() - began >= 149 && now_ms() - began < 5000);
+    CHECK_INT(dp_serial_write(&pair.port, bytes, 1, 0), 0);
+    CHECK_INT(dp_serial_send(bytes, MEGABYTE, &pair.port), DP_RC_DEVICE);
+    check_error(&pair.port, pair.device, ": no bytes were taken in time");
+    CHECK_INT(tcflush(pair.port.fd, TCOFLUSH), 0);
+    disconnect_pair(&pair);
+}
+
+static void a_device_that_disappears_is_an_error(void)
+{
+    static char bytes[MEGABYTE];
+    struct pair pair;
+    int i;
+
+    connect_pair(&pair);
+    close(pair.far_end);
+    pair.far_end = -1;
+    for (i = 0; i < 3; ++i) {
+        CHECK_INT(dp_serial_read(&pair.port, bytes, 10, -1), -DP_RC_DEVICE);
+        check_error(&pair.port, pair.device, ": disconnected");
+        CHECK_INT(dp_serial_write(&pair.port, bytes, MEGABYTE, -1), -DP_RC_DEVICE);
+        check_error(&pair.port, pair.device, ": disconnected");
+    }
+    CHECK_INT(dp_serial_send(bytes, 5, &pair.port), DP_RC_DEVICE);
+    disconnect_pair(&pair);
+}
+
+static void *disappear_soon(void *usr)
+{
+    struct pair *pair = usr;
+    usleep(100000);
+    close(pair->far_end);
+    return NULL;
+}
+
+static void a_device_that_disappears_meanwhile_is_an_error(void)
+{
+    static char bytes[MEGABYTE];
+    int writing;
+
+    for (writing = 0; writing < 2; ++writing) {
+        struct pair pair;
+        pthread_t thread;
+
+        connect_pair(&pair);
+        CHECK_INT(pthread_create(&thread, NULL, disappear_soon, &pair), 0);
+        if (writing)
+            CHECK_INT(dp_serial_write(&pair.port, bytes, MEGABYTE, -1), -DP_RC_DEVICE);
+        else
+            CHECK_INT(dp_serial_read(&pair.port, bytes, 10, -1), -DP_RC_DEVICE);
+        check_error(&pair.port, pair.device, ": disconnected");
+        pthread_join(thread, NULL);
+        pair.far_end = -1;
+        disconnect_pair(&pair);
+    }
+}
+
+static void what_is_no_serial_port(const char *program)
+{
+    static const char *const missing = "/nonexistent/tty/with/a/long/name/of/many/characters";
+    struct dp_serial port;
+    char long_name[2000];
+
+    CHECK_INT(dp_serial_open(&port, missing, 0), DP_RC_DEVICE);
+    check_error(&port, missing, ": No such file or directory");
+    CHECK_INT(dp_serial_open(&port, "/dev/null", 0), DP_RC_DEVICE);
+    check_error(&port, "/dev/null", ": not a serial port");
+    CHECK_INT(dp_serial_open(&port, "/", 0), DP_RC_DEVICE);
+    check_error(&port, "/", ": not a serial port");
+    CHECK_INT(dp_serial_open(&port, program, 0), DP_RC_DEVICE);
+    check_error(&port, program, ": not a serial port");
+    memset(long_name, 'x', sizeof long_name);
+    long_name[sizeof long_name - 1] = '\0';
+    CHECK_INT(dp_serial_open(&port, long_name, 0), DP_RC_DEVICE);
+    check_error(&port, "...xxx", "xxx: File name too long");
+    CHECK_INT(dp_serial_open(&port, "", 0), DP_RC_DEVICE);
+    check_error(&port, "", "No such file or directory");
+}
+
+static void nulls_and_negative_sizes(void)
+{
+    struct pair pair;
+    char byte = 0;
+    struct dp_serial zero;
+
+    CHECK_INT(dp_serial_open(NULL, "/dev/null", 0), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_open(&zero, NULL, 0), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_read(&zero, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_read(NULL, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_write(NULL, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_send(&byte, 1, NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_drain(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_discard(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_close(NULL), DP_RC_ERROR_GENERIC);
+    CHECK(dp_serial_error(NULL)[0] == '\0');
+
+    /* All zero is a closed port, not standard input. */
+    memset(&zero, 0, sizeof zero);
+    CHECK_INT(dp_serial_read(&zero, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_write(&zero, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_drain(&zero), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_discard(&zero), DP_RC_ERROR_GENERIC);
+    CHECK(dp_serial_error(&zero)[0] == '\0');
+    CHECK_INT(dp_serial_close(&zero), DP_RC_SUCCESS);
+    CHECK(fcntl(STDIN_FILENO, F_GETFD) != -1);
+
+    connect_pair(&pair);
+    CHECK_INT(dp_serial_read(&pair.port, NULL, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_read(&pair.port, &byte, -1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_read(&pair.port, &byte, INT_MIN, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_read(&pair.port, NULL, 0, 0), 0);
+    CHECK_INT(dp_serial_write(&pair.port, NULL, 1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_write(&pair.port, &byte, -1, 0), -DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_write(&pair.port, NULL, 0, 0), 0);
+    CHECK_INT(dp_serial_send(NULL, 1, &pair.port), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_send(NULL, 0, &pair.port), DP_RC_SUCCESS);
+    disconnect_pair(&pair);
+}
+
+int main(int argc, char **argv)
+{
+    (void)argc;
+    layout();
+    settings_are_those_of_the_link();
+    bytes_pass_as_they_are();
+    messages_are_sent();
+    the_device_is_exclusive();
+    reading_ends_in_time();
+    a_signal_ends_reading();
+    a_megabyte_goes_through_a_slow_reader();
+    writing_ends_in_time();
+    a_device_that_disappears_is_an_error();
+    a_device_that_disappears_meanwhile_is_an_error();
+    what_is_no_serial_port(argv[0]);
+    nulls_and_negative_sizes();
+    return check_summary("serial");
+}

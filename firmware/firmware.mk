@@ -1,0 +1,32 @@
+# The library on bare metal: `make firmware TARGET=...`. The Makefile includes this file.
+
+FIRMWARE_TARGETS := thumbv6m-none-eabi thumbv7m-none-eabi thumbv7em-none-eabi thumbv7em-none-eabihf \
+                    riscv32imc-unknown-none-elf avr-none
+
+# For avr-none: the controller. Any that both rustc and avr-gcc know.
+MCU ?= atmega2560
+export MCU
+
+.PHONY: firmware firmware-all firmware-size firmware-test firmware-bench
+
+firmware: ## builds the library for bare metal, TARGET=thumbv7em-none-eabihf for example
+	$(Q)test -n '$(TARGET)' || { echo "firmware: say which: TARGET=$(firstword $(FIRMWARE_TARGETS)), or one of" \
+	    "$(wordlist 2,9,$(FIRMWARE_TARGETS))" >&2; exit 2; }
+	+$(Q)CARGO='$(CARGO)' firmware/build.sh $(TARGET) target/firmware/$(TARGET)
+	@echo "firmware: libdeltarobot for $(TARGET) is in target/firmware/$(TARGET)"
+
+firmware-all: ## the same for all targets for which there is a toolchain
+	+$(Q)CARGO='$(CARGO)' firmware/all.sh $(FIRMWARE_TARGETS)
+
+firmware-size: firmware-all ## prints flash and stack that each function takes on each target
+	$(Q)head=1; for target in $(FIRMWARE_TARGETS); do \
+	    if firmware/build.sh $$target 2>/dev/null >&2; then \
+	        FIRMWARE_SIZE_HEAD=$$head firmware/size.sh $$target target/firmware/$$target || exit; head=0; \
+	    fi; \
+	done
+
+firmware-test: lib firmware-all ## runs examples/firmware in emulators against a host program
+	$(Q)HOST_LIB='$(OUT)' c_tests/firmware/run.sh test
+
+firmware-bench: lib firmware-all ## counts instructions and cycles on the targets
+	$(Q)HOST_LIB='$(OUT)' c_tests/firmware/run.sh bench

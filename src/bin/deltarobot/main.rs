@@ -1,0 +1,118 @@
+//! The program `deltarobot`: a simulated controller, requests to a real one, and tools for the line between.
+
+#![deny(unsafe_code)]
+#![allow(
+    clippy::arithmetic_side_effects,
+    reason = "numbers here are times and sizes of what fits in memory, and a program may stop where a library must not"
+)]
+
+mod decode;
+mod decoder;
+mod monitor;
+mod operation;
+mod port;
+mod pty;
+mod record;
+mod recording;
+mod replay;
+mod screen;
+mod signals;
+mod sim;
+mod status;
+mod wire;
+mod words;
+
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use status::{Failure, Status};
+
+/// What `--help` says at the end.
+const STATUSES: &str = "\
+Exit status:
+  0  finished
+  1  refused or failed by the controller; for `decode`: there were bytes that are no frame
+  2  wrong usage
+  3  a device or file that is missing, in use, unreadable or was disconnected
+  4  the controller did not answer in time
+  5  cancelled (Ctrl-C during a request; pressed again, it ends the program at once)";
+
+/// Controls a delta robot over a serial line, simulates one, and shows what passes on the line.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100, after_help = STATUSES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulates a controller on a pseudo-terminal
+    Sim(sim::Arguments),
+    /// Has the robot home, and waits until it has
+    Home(operation::Home),
+    /// Moves the robot, and waits until it is there
+    Move(operation::Move),
+    /// Asks for the robot's state and position
+    Status(operation::Plain),
+    /// Cancels what the robot is doing
+    Cancel(operation::Plain),
+    /// Shows the frames that come from a device, a file or standard input
+    Monitor(monitor::Arguments),
+    /// Shows the frames in bytes given as hexadecimal digits
+    Decode(decode::Arguments),
+    /// Records what comes from a device, or passes between a host program and a device
+    Record(record::Arguments),
+    /// Sends what was recorded, at the times when it was
+    Replay(replay::Arguments),
+}
+
+fn main() -> ExitCode {
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        Err(error) => return explain(&error).into(),
+    };
+    let result = match command {
+        Command::Sim(arguments) => sim::run(&arguments),
+        Command::Home(arguments) => operation::home(&arguments),
+        Command::Move(arguments) => operation::move_to(&arguments),
+        Command::Status(arguments) => operation::status(&arguments),
+        Command::Cancel(arguments) => operation::cancel(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
+        Command::Decode(arguments) => decode::run(&arguments),
+        Command::Record(arguments) => record::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+    };
+    let (status, said) = match result {
+        Ok(status) => (status, None),
+        // Who reads what we print has seen enough.
+        Err(Failure::Output(error)) if error.kind() == ErrorKind::BrokenPipe => (Status::Finished, None),
+        Err(Failure::Output(error)) => (Status::Device, Some(status::text("standard output", &error))),
+        Err(Failure::Device(text)) => (Status::Device, Some(text)),
+        Err(Failure::Usage(text)) => (Status::Usage, Some(text)),
+    };
+    if let Some(said) = said {
+        screen::complain(&said);
+    }
+    status.into()
+}
+
+/// Prints help where it was asked for, and else what is wrong with the command line: on one line.
+fn explain(error: &clap::Error) -> Status {
+    if !error.use_stderr() {
+        // If nobody reads it, nobody does.
+        let _ = error.print();
+        return Status::Finished;
+    }
+    if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        screen::complain("a subcommand is needed; try --help");
+        return Status::Usage;
+    }
+    let text = error.render().to_string();
+    let said = text.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+    let said: Vec<_> = said.lines().map(str::trim).collect();
+    screen::complain(&format!("{}; try --help", said.join(" ")));
+    Status::Usage
+}

@@ -1,0 +1,361 @@
+//! `controller.h`: the dispatcher of a controller's firmware.
+
+use core::ffi::{c_int, c_void};
+use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+
+use super::memory::zero;
+use super::payload::{layout_of, position_to, report_from};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_OVERFLOW, DP_RC_SUCCESS};
+use super::protocol::{Position, SendFunc, StatusReport, bytes_of, int};
+use super::sized_alias;
+use crate::config::DP_DATA_MAX_SIZE;
+use crate::deltarobot::{Dispatcher, Judgement, Layout, Message, Order, PAYLOAD_MAX, Report, Ring};
+use crate::deltarobot::{FRAME_MAX, encode};
+
+/// Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
+/// place, as in shipped firmware.
+pub const DP_CONTROLLER_REFUSE_BUSY: c_int = 1;
+/// The end of homing and of a move is told by `h` and `m` (specification), besides the status report.
+pub const DP_CONTROLLER_TELL_END: c_int = 2;
+/// An error during an operation is told by `e` (specification), besides the status report.
+pub const DP_CONTROLLER_TELL_ERROR: c_int = 4;
+
+/// Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
+/// `DP_STATUS_HOMING`.
+pub type HomeFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
+/// Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
+/// end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+pub type MoveFunc = Option<unsafe extern "C" fn(target: *const Position, usr: *mut c_void) -> c_int>;
+/// Begins to stop. Returns 0, or anything else to refuse.
+pub type CancelFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
+/// Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
+pub type ReadFunc = Option<unsafe extern "C" fn(report: *mut StatusReport, usr: *mut c_void)>;
+
+/// The firmware's own functions. Each is given usr, and may call the library on the same controller. What `home`, `move` or
+/// `cancel` would do is refused where they are NULL; `read` and `send` are needed.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Calls {
+    /// Begins to home.
+    pub home: HomeFunc,
+    /// Begins to move.
+    pub r#move: MoveFunc,
+    /// Begins to stop.
+    pub cancel: CancelFunc,
+    /// Tells the status.
+    pub read: ReadFunc,
+    /// Sends bytes, whole frames. Its result is ignored: the protocol leaves lost frames to the host.
+    pub send: SendFunc,
+}
+
+/// A controller. Its fields are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Controller {
+    dispatcher: Dispatcher,
+    calls: *const Calls,
+    usr: *mut c_void,
+    layout: c_int,
+    flags: c_int,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const POINTER: usize = size_of::<*const ()>();
+    const INT: usize = size_of::<c_int>();
+    const CALLS: usize = size_of::<Dispatcher>().next_multiple_of(align_of::<*const ()>());
+    assert!(size_of::<Calls>() == 5 * POINTER && align_of::<Calls>() == align_of::<*const ()>());
+    assert!(offset_of!(Calls, home) == 0 && offset_of!(Calls, r#move) == POINTER);
+    assert!(offset_of!(Calls, cancel) == 2 * POINTER && offset_of!(Calls, read) == 3 * POINTER);
+    assert!(offset_of!(Calls, send) == 4 * POINTER);
+
+    assert!(size_of::<Dispatcher>() == size_of::<Ring>() + (INT + 13).next_multiple_of(align_of::<c_int>()));
+    assert!(offset_of!(Controller, dispatcher) == 0 && offset_of!(Controller, calls) == CALLS);
+    assert!(offset_of!(Controller, usr) == CALLS + POINTER && offset_of!(Controller, layout) == CALLS + 2 * POINTER);
+    assert!(offset_of!(Controller, flags) == CALLS + 2 * POINTER + INT);
+};
+
+/// Makes a controller of any memory.
+///
+/// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both, it
+/// answers like shipped firmware.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`, the layout is
+/// none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for `DP_LAYOUT_SPEC`).
+///
+/// # Safety
+///
+/// controller is NULL or points to writable memory of its size and alignment. calls is NULL or points to functions that
+/// can be called with usr; it stays there as long as the controller is used.
+///
+/// cbindgen:postfix=DP_SIZED("dp_controller_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_controller_init(
+    controller: *mut Controller,
+    calls: *const Calls,
+    usr: *mut c_void,
+    layout: c_int,
+    flags: c_int,
+) -> c_int {
+    if controller.is_null() || !report_fits(layout) {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks; zero is a controller that is not ready.
+    unsafe {
+        zero(controller);
+        (*controller).dispatcher.refuse_busy(flags & DP_CONTROLLER_REFUSE_BUSY != 0);
+        (*controller).calls = calls;
+        (*controller).usr = usr;
+        (*controller).layout = layout;
+        (*controller).flags = flags;
+        if is_ready(controller) { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
+    }
+}
+sized_alias!(dp_controller_init(controller: *mut Controller, calls: *const Calls, usr: *mut c_void, layout: c_int, flags: c_int) -> c_int);
+
+/// Takes received bytes. Not for interrupts that may come during another call on the same controller.
+///
+/// When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL, bytes is
+/// negative, or buf is NULL and bytes is not 0.
+///
+/// # Safety
+///
+/// controller is NULL or was made by `dp_controller_init`; buf is NULL or points to that many readable bytes.
+///
+/// cbindgen:postfix=DP_SIZED("dp_controller_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf: *const c_void, bytes: c_int) -> c_int {
+    if controller.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: not NULL, so as the contract of this function asks.
+    let (dispatcher, input) = unsafe { (&mut (*controller).dispatcher, bytes_of(buf, bytes)) };
+    match input.map(|input| dispatcher.ring().append(input)) {
+        Some(Ok(())) => DP_RC_SUCCESS,
+        Some(Err(_)) => DP_RC_OVERFLOW,
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(dp_controller_receive(controller: *mut Controller, buf: *const c_void, bytes: c_int) -> c_int);
+
+/// Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+///
+/// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+/// NULL or was not made by `dp_controller_init`.
+///
+/// # Safety
+///
+/// controller is NULL, or was made by `dp_controller_init` or is all zero.
+///
+/// cbindgen:postfix=DP_SIZED("dp_controller_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { poll(controller, false) }
+}
+sized_alias!(dp_controller_poll(controller: *mut Controller) -> c_int);
+
+/// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would be waited for
+/// until enough bytes have come, are given up (see `dp_recv_idle`).
+///
+/// Returns what `dp_controller_poll` does.
+///
+/// # Safety
+///
+/// As for `dp_controller_poll`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_controller_poll_idle")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_controller_poll_idle(controller: *mut Controller) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { poll(controller, true) }
+}
+sized_alias!(dp_controller_poll_idle(controller: *mut Controller) -> c_int);
+
+/// Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+///
+/// # Safety
+///
+/// As for `dp_controller_poll`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_controller_report")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(controller) {
+            return DP_RC_ERROR_GENERIC;
+        }
+        report(controller);
+    }
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_controller_report(controller: *mut Controller) -> c_int);
+
+/// Whether a controller was made, so that its functions can be called.
+///
+/// # Safety
+///
+/// As for [`dp_controller_poll`].
+unsafe fn is_ready(controller: *const Controller) -> bool {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        !controller.is_null()
+            && match (*controller).calls.as_ref() {
+                Some(calls) => calls.read.is_some() && calls.send.is_some(),
+                None => false,
+            }
+    }
+}
+
+/// Whether status reports of a layout, if it is one, fit a frame.
+const fn report_fits(layout: c_int) -> bool {
+    match layout_of(layout) {
+        Some(Layout::Spec) => DP_DATA_MAX_SIZE >= 13,
+        Some(_) => DP_DATA_MAX_SIZE >= PAYLOAD_MAX,
+        None => false,
+    }
+}
+
+// From here on, `controller` is not NULL and ready, and no reference to it lives while one of its functions runs.
+
+/// # Safety
+///
+/// As for [`dp_controller_poll`].
+unsafe fn poll(controller: *mut Controller, idle: bool) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(controller) {
+            return DP_RC_ERROR_GENERIC;
+        }
+        if (*controller).dispatcher.is_active() {
+            let now = status(controller);
+            if let Some(end) = (*controller).dispatcher.ended(&now) {
+                tell_end(controller, end);
+                return DP_RC_SUCCESS;
+            }
+        }
+        match (*controller).dispatcher.order(idle) {
+            Some(order) => serve(controller, &order),
+            None => return DP_RC_NO_FRAME,
+        }
+    }
+    DP_RC_SUCCESS
+}
+
+/// Answers a request.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn serve(controller: *mut Controller, order: &Order) {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let now = status(controller);
+        let judgement = (*controller).dispatcher.judge(order, &now);
+        let accepted = carry_out(controller, &judgement);
+        if accepted {
+            (*controller).dispatcher.began(&judgement);
+        }
+        if judgement != Judgement::Report {
+            let answer = if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) };
+            send(controller, &answer);
+        }
+        if judgement != Judgement::RefuseOnly {
+            let now = report(controller);
+            (*controller).dispatcher.reports(&now);
+        }
+    }
+}
+
+/// Has the firmware do what was judged; tells whether it does.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn carry_out(controller: *mut Controller, judgement: &Judgement) -> bool {
+    // SAFETY: as the contract of this function asks, and as calls' own: its functions take usr.
+    unsafe {
+        let (calls, usr) = ((*controller).calls, (*controller).usr);
+        match judgement {
+            Judgement::Home => (*calls).home.is_some_and(|home| home(usr) == 0),
+            Judgement::Cancel => (*calls).cancel.is_some_and(|cancel| cancel(usr) == 0),
+            Judgement::Move(target) => (*calls).r#move.is_some_and(|start| {
+                let mut position = MaybeUninit::uninit();
+                position_to(position.as_mut_ptr(), *target);
+                start(position.as_ptr(), usr) == 0
+            }),
+            Judgement::Repeated => true,
+            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
+        }
+    }
+}
+
+/// # Safety
+///
+/// See above.
+unsafe fn tell_end(controller: *mut Controller, end: Option<Message>) {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let flag = match end {
+            Some(Message::GeneralError) => DP_CONTROLLER_TELL_ERROR,
+            _ => DP_CONTROLLER_TELL_END,
+        };
+        if let Some(end) = end.filter(|_| (*controller).flags & flag != 0) {
+            send(controller, &end);
+        }
+        report(controller);
+    }
+}
+
+/// Asks the firmware for the status.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn status(controller: *mut Controller) -> Report {
+    let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
+    // SAFETY: as the contract of this function asks; the report is ours.
+    unsafe {
+        if let Some(read) = (*(*controller).calls).read {
+            read(&raw mut report, (*controller).usr);
+        }
+        report_from(&raw const report).unwrap_or(Report::new(crate::deltarobot::Position::UNKNOWN, 0))
+    }
+}
+
+/// Sends the status, and returns it.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn report(controller: *mut Controller) -> Report {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let report = status(controller);
+        send(controller, &Message::StatusReport(report));
+        report
+    }
+}
+
+/// # Safety
+///
+/// See above.
+unsafe fn send(controller: *mut Controller, message: &Message) {
+    let mut payload = [0; PAYLOAD_MAX];
+    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
+    // SAFETY: as the contract of this function asks.
+    let (calls, usr, layout) = unsafe { ((*controller).calls, (*controller).usr, (*controller).layout) };
+    let length = message.write(layout_of(layout).unwrap_or_default(), &mut payload);
+    let encoded = encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame);
+    // SAFETY: as the contract of this function asks; encode() wrote that many bytes of the frame.
+    if let (Some(length), Some(send)) = (encoded, unsafe { (*calls).send }) {
+        // SAFETY: as calls asks: its functions take usr.
+        unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
+    }
+}

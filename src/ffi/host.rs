@@ -1,0 +1,427 @@
+//! `host.h`: the host's end of the link.
+
+use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
+use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+
+use super::memory::zero;
+use super::payload::{position_from, report_to};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport, bytes_of, int};
+use super::sized_alias;
+use crate::config::DP_DATA_MAX_SIZE;
+use crate::deltarobot::{Busy, Event, FRAME_MAX, Health, Host, Link, Opcode, Outcome, PAYLOAD_MAX};
+use crate::deltarobot::{Layout, POSITION_SIZE, Request, Ring, Settings, State, clock_time as time, encode};
+
+/// A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
+pub const DP_RC_BUSY: c_int = 5;
+/// Nothing has happened.
+pub const DP_RC_NO_EVENT: c_int = 6;
+
+/// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
+pub const DP_HOST_MESSAGE: c_int = 1;
+/// Event: a status report was received; `report` holds it, `state` its state.
+pub const DP_HOST_STATUS: c_int = 2;
+/// Event: the platform is in another state than before: `state`; `report` is the status report that says so.
+pub const DP_HOST_STATE: c_int = 3;
+/// Event: a general error was received.
+pub const DP_HOST_ERROR: c_int = 4;
+/// Event: the controller has accepted the operation `opcode`.
+pub const DP_HOST_ACCEPTED: c_int = 5;
+/// Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
+pub const DP_HOST_ENDED: c_int = 6;
+
+/// Outcome: the request was carried out.
+pub const DP_HOST_FINISHED: c_int = 1;
+/// Outcome: the controller did not accept the request.
+pub const DP_HOST_REFUSED: c_int = 2;
+/// Outcome: the controller accepted the operation, and could not carry it out.
+pub const DP_HOST_FAILED: c_int = 3;
+/// Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
+pub const DP_HOST_CANCELLED: c_int = 4;
+/// Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
+pub const DP_HOST_TIMED_OUT: c_int = 5;
+
+/// Room that three requests take, more than which are never to be sent at a time.
+pub const DP_HOST_OUTPUT_MAX: c_int = 27;
+
+/// Something that happened.
+#[derive(Debug)]
+#[repr(C)]
+pub struct HostEvent {
+    /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
+    pub kind: c_int,
+    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
+    pub opcode: c_uchar,
+    /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
+    pub outcome: c_int,
+    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
+    pub state: c_int,
+    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
+    pub report: StatusReport,
+    /// Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
+    pub msg: ProtocolMsg,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const LONG: usize = size_of::<c_ulong>();
+    const ATTEMPTS: usize = 7 * LONG + 4;
+    const fn up(size: usize, align: usize) -> usize {
+        size.next_multiple_of(align)
+    }
+
+    assert!(offset_of!(Settings, ack_ms) == 0 && offset_of!(Settings, guard_ms) == LONG);
+    assert!(offset_of!(Settings, settle_ms) == 2 * LONG && offset_of!(Settings, poll_ms) == 3 * LONG);
+    assert!(offset_of!(Settings, silence_ms) == 4 * LONG && offset_of!(Settings, operation_ms) == 5 * LONG);
+    assert!(offset_of!(Settings, gap_ms) == 6 * LONG && offset_of!(Settings, tolerance) == 7 * LONG);
+    assert!(offset_of!(Settings, attempts) == ATTEMPTS && offset_of!(Settings, layout) == ATTEMPTS + INT);
+    assert!(offset_of!(Settings, messages) == ATTEMPTS + 2 * INT);
+    assert!(offset_of!(Settings, doubles) == ATTEMPTS + 3 * INT);
+    assert!(size_of::<Settings>() == up(ATTEMPTS + 4 * INT, align_of::<c_ulong>()));
+
+    assert!(offset_of!(Health, frames) == 0 && offset_of!(Health, malformed) == LONG);
+    assert!(offset_of!(Health, strays) == 2 * LONG && offset_of!(Health, garbage_bytes) == 3 * LONG);
+    assert!(offset_of!(Health, checksum_failures) == 4 * LONG && offset_of!(Health, overflows) == 5 * LONG);
+    assert!(offset_of!(Health, timeouts) == 6 * LONG && offset_of!(Health, repeats) == 7 * LONG);
+    assert!(offset_of!(Health, rtt_count) == 8 * LONG && offset_of!(Health, rtt_last) == 9 * LONG);
+    assert!(offset_of!(Health, rtt_min) == 10 * LONG && offset_of!(Health, rtt_max) == 11 * LONG);
+    assert!(offset_of!(Health, rtt_sum) == 12 * LONG && size_of::<Health>() == 13 * LONG);
+
+    assert!(size_of::<Request>() == up(2 * LONG + 5, align_of::<c_ulong>()));
+    assert!(size_of::<Link>() == up(up(size_of::<Ring>(), align_of::<c_ulong>()) + LONG + 3, align_of::<c_ulong>()));
+    assert!(
+        size_of::<Host>()
+            == up(
+                size_of::<Settings>()
+                    + size_of::<Health>()
+                    + size_of::<Link>()
+                    + 3 * size_of::<Request>()
+                    + 4 * LONG
+                    + 4 * INT
+                    + 7
+                    + 2 * POSITION_SIZE,
+                align_of::<c_ulong>()
+            )
+    );
+
+    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, opcode) == INT);
+    assert!(offset_of!(HostEvent, outcome) == INT + up(1, align_of::<c_int>()));
+    assert!(offset_of!(HostEvent, state) == offset_of!(HostEvent, outcome) + INT);
+    assert!(offset_of!(HostEvent, report) == up(offset_of!(HostEvent, state) + INT, align_of::<StatusReport>()));
+    assert!(
+        offset_of!(HostEvent, msg)
+            == up(offset_of!(HostEvent, report) + size_of::<StatusReport>(), align_of::<c_int>())
+    );
+    assert!(size_of::<HostEvent>() == offset_of!(HostEvent, msg) + size_of::<ProtocolMsg>());
+};
+
+/// Begins a session. Memory that is all zero is one too, with the default settings.
+///
+/// settings are copied; NULL stands for the defaults.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
+///
+/// # Safety
+///
+/// host is NULL or points to writable memory of its size and alignment; settings is NULL or points to settings.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+    if host.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks; zero is a session.
+    unsafe {
+        zero(host);
+        if let Some(settings) = settings.as_ref() {
+            (*host).set(settings);
+        }
+    }
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
+
+/// Requests homing. The end comes as an event.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
+///
+/// # Safety
+///
+/// host is NULL, or was begun by `dp_host_init` or is all zero.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_home")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    result(unsafe { host.as_mut() }.map(Host::home))
+}
+sized_alias!(dp_host_home(host: *mut Host) -> c_int);
+
+/// Requests a move to a position. The end comes as an event.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a coordinate
+/// is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+///
+/// # Safety
+///
+/// As for `dp_host_home`; target is NULL or points to a position.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_move")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let target =
+        unsafe { position_from(target) }.filter(|target| POSITION_SIZE <= DP_DATA_MAX_SIZE && target.is_finite());
+    // SAFETY: as the contract of this function asks.
+    match (unsafe { host.as_mut() }, target) {
+        (Some(host), Some(target)) => result(Some(host.move_to(target))),
+        _ => DP_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(dp_host_move(host: *mut Host, target: *const Position) -> c_int);
+
+/// Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it, the operation
+/// when the platform stands. Without an operation it is requested all the same.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+///
+/// # Safety
+///
+/// As for `dp_host_home`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_cancel")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    result(unsafe { host.as_mut() }.map(Host::cancel))
+}
+sized_alias!(dp_host_cancel(host: *mut Host) -> c_int);
+
+/// Requests a status report. It ends with the next report that is received.
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+///
+/// # Safety
+///
+/// As for `dp_host_home`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_status")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    result(unsafe { host.as_mut() }.map(Host::status))
+}
+sized_alias!(dp_host_status(host: *mut Host) -> c_int);
+
+/// Takes received bytes; `now_ms` is when they came.
+///
+/// Times are milliseconds of any clock that does not go back. Their lowest 32 bits count, and may wrap.
+///
+/// Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
+/// `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes
+/// is not 0.
+///
+/// # Safety
+///
+/// As for `dp_host_home`; buf is NULL or points to that many readable bytes, none of them in the session.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
+        (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
+        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+    }
+}
+sized_alias!(dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
+
+/// Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until there is none; what is to
+/// be sent after that tells `dp_host_output`.
+///
+/// Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or `DP_RC_ERROR_GENERIC` when a
+/// pointer is NULL.
+///
+/// # Safety
+///
+/// As for `dp_host_home`; event is NULL or points to writable memory of its size and alignment, outside the session.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: event is not NULL; chars and uninitialised bytes have the same layout.
+    let happened = unsafe {
+        host.poll(time(now_ms), &mut *(&raw mut (*event).msg.data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>())
+    };
+    // SAFETY: event is not NULL.
+    unsafe { write_event(event, happened.as_ref()) };
+    if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
+}
+sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
+
+/// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave. To be called
+/// after `dp_host_poll`.
+///
+/// Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
+/// -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+///
+/// # Safety
+///
+/// As for `dp_host_home`; buf is NULL or points to that many writable bytes outside the session.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_output")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (Some(host), Ok(cap), false) = (unsafe { host.as_mut() }, usize::try_from(cap), cap != 0 && buf.is_null())
+    else {
+        return DP_RC_ERROR_GENERIC.wrapping_neg();
+    };
+    let mut written = 0_usize;
+    while let Some(message) = host.output(cap.wrapping_sub(written), time(now_ms)) {
+        let mut payload = [0; PAYLOAD_MAX];
+        let length = message.write(Layout::Auto, &mut payload);
+        let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
+        let length =
+            encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame).unwrap_or_default();
+        for byte in frame.iter().take(length) {
+            // SAFETY: output() gives only what fits, so this is in the buffer.
+            unsafe { buf.cast::<MaybeUninit<u8>>().add(written).write(*byte) };
+            written = written.wrapping_add(1);
+        }
+    }
+    int(written)
+}
+sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
+
+/// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and the output was
+/// fetched: what it returns is then what poll(2) takes as time-out.
+///
+/// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+///
+/// # Safety
+///
+/// As for `dp_host_home`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_next_deadline")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
+    // SAFETY: as the contract of this function asks.
+    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
+    left.map_or(-1, long)
+}
+sized_alias!(dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
+
+/// Whether an operation is going on: 1, or 0, also when host is NULL.
+///
+/// # Safety
+///
+/// As for `dp_host_home`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_busy")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    c_int::from(unsafe { host.as_ref() }.is_some_and(Host::is_busy))
+}
+sized_alias!(dp_host_busy(host: *const Host) -> c_int);
+
+/// How the link does: NULL when host is, else counters that live and change with the session.
+///
+/// # Safety
+///
+/// As for `dp_host_home`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_host_get_health")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_host_get_health(host: *const Host) -> *const Health {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { host.as_ref() } {
+        Some(host) => host.health(),
+        None => core::ptr::null(),
+    }
+}
+sized_alias!(dp_host_get_health(host: *const Host) -> *const Health);
+
+/// Milliseconds as C's long has them, which may have 32 bits.
+#[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
+fn long(time: u32) -> c_long {
+    c_long::try_from(time).unwrap_or(c_long::MAX)
+}
+
+fn result(outcome: Option<Result<(), Busy>>) -> c_int {
+    match outcome {
+        Some(Ok(())) => DP_RC_SUCCESS,
+        Some(Err(Busy)) => DP_RC_BUSY,
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
+
+/// # Safety
+///
+/// event points to writable memory of its size and alignment.
+unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event>) {
+    let (mut opcode, mut outcome, mut state) = (Opcode(0), 0, -1);
+    let kind = match happened {
+        None => 0,
+        Some(Event::Message(received, length)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe {
+                (*event).msg.opcode = received.0;
+                (*event).msg.data_s = int(*length);
+                (*event).msg.checksum_ok = 1;
+            }
+            DP_HOST_MESSAGE
+        }
+        Some(Event::Status(report)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe { report_to(&raw mut (*event).report, report) };
+            state = state_of(report.state());
+            DP_HOST_STATUS
+        }
+        Some(Event::State(report)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe { report_to(&raw mut (*event).report, report) };
+            state = state_of(report.state());
+            DP_HOST_STATE
+        }
+        Some(Event::GeneralError) => DP_HOST_ERROR,
+        Some(Event::Accepted(accepted)) => {
+            opcode = *accepted;
+            DP_HOST_ACCEPTED
+        }
+        Some(Event::Ended(ended, how)) => {
+            opcode = *ended;
+            outcome = match how {
+                Outcome::Finished => DP_HOST_FINISHED,
+                Outcome::Refused => DP_HOST_REFUSED,
+                Outcome::Failed => DP_HOST_FAILED,
+                Outcome::Cancelled => DP_HOST_CANCELLED,
+                Outcome::TimedOut => DP_HOST_TIMED_OUT,
+            };
+            DP_HOST_ENDED
+        }
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*event).kind = kind;
+        (*event).opcode = opcode.0;
+        (*event).outcome = outcome;
+        (*event).state = state;
+    }
+}
+
+const fn state_of(state: State) -> c_int {
+    match state {
+        State::Idle => super::protocol::DP_STATUS_IDLE,
+        State::Homing => super::protocol::DP_STATUS_HOMING,
+        State::Moving => super::protocol::DP_STATUS_MOVING,
+        State::Error => super::protocol::DP_STATUS_ERROR,
+    }
+}

@@ -1,0 +1,371 @@
+//! `payload.h`: what the messages of the specification (section "Opcodes") say.
+
+use core::ffi::{c_char, c_int, c_uchar};
+use core::mem::align_of;
+
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport, bytes_of, int};
+use super::sized_alias;
+use crate::config::DP_DATA_MAX_SIZE;
+use crate::deltarobot as core_;
+use crate::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX, Report, describe};
+
+/// Reading a status report: one of more than 13 bytes has the floats first. One of 13 bytes has STAT first, unless the
+/// last byte can be STAT and the first can't, because its reserved bits (5 to 7) are neither all 0 nor all 1. Writing
+/// one: as `DP_LAYOUT_FIRMWARE`.
+pub const DP_LAYOUT_AUTO: c_int = 0;
+/// Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
+pub const DP_LAYOUT_SPEC: c_int = 1;
+/// Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length from
+/// 13 on is read.
+pub const DP_LAYOUT_FIRMWARE: c_int = 2;
+
+/// Size of a buffer that the text of any message fits in.
+pub const DP_MSG_TEXT_MAX: c_int = 96;
+
+const _: () = {
+    assert!(DP_MSG_TEXT_MAX as usize == core_::TEXT_MAX);
+    // Floats are read and written as their bits.
+    assert!(align_of::<u32>() == align_of::<Position>() && size_of::<[u32; 3]>() == size_of::<Position>());
+    assert!(align_of::<StatusReport>() == align_of::<Position>());
+};
+
+/// Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or `GENERAL_ERR`.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload.
+///
+/// # Safety
+///
+/// msg is NULL or points to a writable message, which may be uninitialised.
+///
+/// cbindgen:postfix=DP_SIZED("dp_build")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto).as_ref(), Layout::Auto) }
+}
+sized_alias!(dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int);
+
+/// Makes an acknowledgement of the request with the opcode answered.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+///
+/// # Safety
+///
+/// As for `dp_build`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_build_ack")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
+}
+sized_alias!(dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
+
+/// Makes a refusal of the request with the opcode answered.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+///
+/// # Safety
+///
+/// As for `dp_build`.
+///
+/// cbindgen:postfix=DP_SIZED("dp_build_nack")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { build(msg, Some(&Message::Nack(Opcode(answered))), Layout::Auto) }
+}
+sized_alias!(dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
+
+/// Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12.
+///
+/// # Safety
+///
+/// As for `dp_build`; target is NULL or points to a position.
+///
+/// cbindgen:postfix=DP_SIZED("dp_build_move")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(target) = (unsafe { position_from(target) }) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
+}
+sized_alias!(dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int);
+
+/// Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become zero.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or `DP_DATA_MAX_SIZE`
+/// is below the 16 or 13 bytes that it takes.
+///
+/// # Safety
+///
+/// As for `dp_build`; report is NULL or points to a status report.
+///
+/// cbindgen:postfix=DP_SIZED("dp_build_status_report")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_build_status_report(
+    msg: *mut ProtocolMsg,
+    report: *const StatusReport,
+    layout: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (Some(report), Some(layout)) = (unsafe { report_from(report) }, layout_of(layout)) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe { build(msg, Some(&Message::StatusReport(report)), layout) }
+}
+sized_alias!(dp_build_status_report(msg: *mut ProtocolMsg, report: *const StatusReport, layout: c_int) -> c_int);
+
+/// Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
+///
+/// # Safety
+///
+/// msg is NULL or points to a message.
+///
+/// cbindgen:postfix=DP_SIZED("dp_msg_check")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { read(msg, Layout::Auto) } {
+        Some(_) => DP_RC_SUCCESS,
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(dp_msg_check(msg: *const ProtocolMsg) -> c_int);
+
+/// Reads from an ack or a nack which opcode it answers.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long, or a pointer is
+/// NULL.
+///
+/// # Safety
+///
+/// As for `dp_msg_check`; answered is NULL or points to a writable byte.
+///
+/// cbindgen:postfix=DP_SIZED("dp_read_answer")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match (unsafe { read(msg, Layout::Auto) }, unsafe { answered.as_mut() }) {
+        (Some(Message::Ack(opcode) | Message::Nack(opcode)), Some(answered)) => *answered = opcode.0,
+        _ => return DP_RC_ERROR_GENERIC,
+    }
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> c_int);
+
+/// Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a
+/// pointer is NULL.
+///
+/// # Safety
+///
+/// As for `dp_msg_check`; target is NULL or points to a writable position.
+///
+/// cbindgen:postfix=DP_SIZED("dp_read_move")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { read(msg, Layout::Auto) } {
+        // SAFETY: not NULL, so as the contract of this function asks.
+        Some(Message::Move(position)) if !target.is_null() => unsafe { position_to(target, position) },
+        _ => return DP_RC_ERROR_GENERIC,
+    }
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_int);
+
+/// Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
+/// signalling one from shipped firmware. Reserved bits of STAT are cleared.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a length that the
+/// layout does not have, the layout is none of these, or a pointer is NULL.
+///
+/// # Safety
+///
+/// As for `dp_msg_check`; report is NULL or points to a writable status report.
+///
+/// cbindgen:postfix=DP_SIZED("dp_read_status_report")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_read_status_report(
+    msg: *const ProtocolMsg,
+    layout: c_int,
+    report: *mut StatusReport,
+) -> c_int {
+    let Some(layout) = layout_of(layout) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: as the contract of this function asks.
+    match unsafe { read(msg, layout) } {
+        // SAFETY: not NULL, so as the contract of this function asks.
+        Some(Message::StatusReport(read)) if !report.is_null() => unsafe { report_to(report, &read) },
+        _ => return DP_RC_ERROR_GENERIC,
+    }
+    DP_RC_SUCCESS
+}
+sized_alias!(dp_read_status_report(msg: *const ProtocolMsg, layout: c_int, report: *mut StatusReport) -> c_int);
+
+/// The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`,
+/// `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`.
+///
+/// Returns a string that lives as long as the program.
+#[unsafe(no_mangle)]
+pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
+    Opcode(opcode).name().as_ptr()
+}
+
+/// Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
+///
+/// snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
+/// nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
+/// them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
+///
+/// Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is negative, or buf
+/// is NULL and cap is not 0.
+///
+/// # Safety
+///
+/// As for `dp_msg_check`; buf is NULL or points to that many writable bytes, none of them in the message.
+///
+/// cbindgen:postfix=DP_SIZED("dp_msg_format")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int {
+    let room = match usize::try_from(cap) {
+        Ok(cap) if !msg.is_null() && (cap == 0 || !buf.is_null()) => cap,
+        _ => return DP_RC_ERROR_GENERIC.wrapping_neg(),
+    };
+    let mut length = 0_usize;
+    let mut put = |byte: u8| {
+        if length.wrapping_add(1) < room {
+            // SAFETY: below the capacity, so in the buffer by the contract of this function.
+            unsafe { buf.add(length).cast::<u8>().write(byte) };
+        }
+        length = length.wrapping_add(1);
+    };
+    // SAFETY: msg is not NULL, so a message by the contract of this function.
+    let (opcode, payload) = unsafe { (Opcode((*msg).opcode), payload_of(msg)) };
+    describe(opcode, payload.unwrap_or_default(), &mut put);
+    if let Some(last) = room.checked_sub(1) {
+        // SAFETY: as above.
+        unsafe { buf.add(length.min(last)).write(0) };
+    }
+    int(length)
+}
+sized_alias!(dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int);
+
+/// Fills in a message; leaves it alone when there is none to write or it does not fit.
+///
+/// # Safety
+///
+/// As for [`dp_build`].
+unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout) -> c_int {
+    let mut payload = [0; PAYLOAD_MAX];
+    let (Some(message), false) = (message, msg.is_null()) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    let length = message.write(layout, &mut payload);
+    if length > DP_DATA_MAX_SIZE {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: not NULL, so as the contract of this function asks.
+    unsafe {
+        (*msg).opcode = message.opcode().0;
+        (*msg).data_s = int(length);
+        let data = (&raw mut (*msg).data).cast::<u8>();
+        for (place, byte) in payload.iter().take(length).enumerate() {
+            data.add(place).write(*byte);
+        }
+        (*msg).checksum_ok = 1;
+    }
+    DP_RC_SUCCESS
+}
+
+/// What a message says, if it is one of the specification's.
+///
+/// # Safety
+///
+/// As for [`dp_msg_check`].
+unsafe fn read(msg: *const ProtocolMsg, layout: Layout) -> Option<Message> {
+    if msg.is_null() {
+        return None;
+    }
+    // SAFETY: not NULL, so a message by the contract of this function.
+    unsafe { Message::read(Opcode((*msg).opcode), payload_of(msg)?, layout) }
+}
+
+/// The payload of a message; `None` when its size is out of range.
+///
+/// # Safety
+///
+/// msg points to a message, which nobody writes while the slice lives.
+unsafe fn payload_of<'a>(msg: *const ProtocolMsg) -> Option<&'a [u8]> {
+    // SAFETY: as the contract of this function asks; the size is checked against the array's.
+    unsafe {
+        match (*msg).data_s {
+            length if length <= const { int(DP_DATA_MAX_SIZE) } => bytes_of((&raw const (*msg).data).cast(), length),
+            _ => None,
+        }
+    }
+}
+
+/// The layout that a `DP_LAYOUT_*` means.
+pub(super) const fn layout_of(layout: c_int) -> Option<Layout> {
+    match layout {
+        DP_LAYOUT_AUTO => Some(Layout::Auto),
+        DP_LAYOUT_SPEC => Some(Layout::Spec),
+        DP_LAYOUT_FIRMWARE => Some(Layout::Firmware),
+        _ => None,
+    }
+}
+
+/// Takes a position over from C, as bits.
+///
+/// # Safety
+///
+/// position is NULL or points to one.
+pub(super) unsafe fn position_from(position: *const Position) -> Option<core_::Position> {
+    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    unsafe { position.cast::<[u32; 3]>().as_ref() }.map(|bits| core_::Position(*bits))
+}
+
+/// Hands a position to C, as bits.
+///
+/// # Safety
+///
+/// out points to a writable position.
+pub(super) unsafe fn position_to(out: *mut Position, position: core_::Position) {
+    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    unsafe { out.cast::<[u32; 3]>().write(position.0) };
+}
+
+/// Takes a status report over from C.
+///
+/// # Safety
+///
+/// report is NULL or points to one.
+pub(super) unsafe fn report_from(report: *const StatusReport) -> Option<Report> {
+    // SAFETY: as the contract of this function asks; a report begins with a position.
+    unsafe { position_from(report.cast()).map(|position| Report::new(position, (*report).STAT)) }
+}
+
+/// Hands a status report to C.
+///
+/// # Safety
+///
+/// out points to a writable status report.
+pub(super) unsafe fn report_to(out: *mut StatusReport, report: &Report) {
+    // SAFETY: as the contract of this function asks; a report begins with a position.
+    unsafe {
+        position_to(out.cast(), report.position);
+        (*out).STAT = report.stat();
+    }
+}
