@@ -310,7 +310,7 @@ impl Deadline {
 #[cfg(test)]
 mod tests {
     use super::{Failed, Port, TEXT_MAX};
-    use std::ffi::CString;
+    use core::ffi::CStr;
 
     #[test]
     fn errors_tell_the_device() {
@@ -333,9 +333,13 @@ mod tests {
     #[test]
     fn of_a_long_name_the_end_is_told() {
         let mut port = Port::new();
-        let name = CString::new("x".repeat(2 * TEXT_MAX) + "/tty").unwrap();
-        assert_eq!(port.open(&name, 1), Err(Failed));
-        let text = port.error().to_str().unwrap();
+        let mut name = [b'x'; 2 * TEXT_MAX];
+        if let Some(end) = name.last_chunk_mut() {
+            *end = *b"/tty\0";
+        }
+        let name = CStr::from_bytes_with_nul(&name).unwrap_or_default();
+        assert_eq!(port.open(name, 1), Err(Failed));
+        let text = port.error().to_str().unwrap_or_default();
         assert!(text.starts_with("...xx") && text.ends_with("x/tty: 1 baud is no standard speed"), "{text}");
     }
 }

@@ -1,54 +1,27 @@
-//! Summing and copying bytes.
+//! Summing and copying bytes, on hosts eight at a time.
 //!
-//! The standard copies become calls of memcpy, which the library does without (see the crate's `no_builtins`). On hosts these
-//! take eight bytes at a time.
+//! The standard copies become calls of memcpy, which the library does without (see the crate's `no_builtins`).
 
 use crate::config::FAST;
 
 /// Bytes taken at a time.
-pub(super) const WORD: usize = 8;
+const WORD: usize = 8;
 
-/// The sum of the bytes modulo 256.
+/// Adds the bytes to a sum modulo 256.
 #[inline(always)]
-pub(super) fn sum(bytes: &[u8]) -> u8 {
+pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     if FAST && bytes.len() >= WORD {
-        return sum_of_words(bytes);
+        let (words, rest) = bytes.as_chunks::<WORD>();
+        for word in words {
+            // Of a fixed number of bytes: processors have instructions for that.
+            sum = sum.wrapping_add(word.iter().fold(0, |sum, byte| sum.wrapping_add(*byte)));
+        }
+        bytes = rest;
     }
-    let mut sum = 0_u8;
     for byte in bytes {
         sum = sum.wrapping_add(*byte);
     }
     sum
-}
-
-/// The sum of at least [`WORD`] bytes. Not inlined, to leave its callers' registers to their short ways.
-#[inline(never)]
-fn sum_of_words(bytes: &[u8]) -> u8 {
-    let (words, tail) = bytes.as_chunks::<WORD>();
-    let mut lanes = 0_u64;
-    for word in words {
-        // Turning the lanes changes nothing but keeps the compiler from making four sums of it, for a few words.
-        lanes = lanes.rotate_left(16).wrapping_add(pairs(u64::from_le_bytes(*word)));
-    }
-    // What no whole word was left for stands at the end of the last eight bytes.
-    if let Some(last) = bytes.last_chunk::<WORD>() {
-        let summed = (WORD.wrapping_sub(tail.len()) as u32).wrapping_mul(8);
-        lanes = lanes.wrapping_add(pairs(u64::from_le_bytes(*last).checked_shr(summed).unwrap_or(0)));
-    }
-    sum_of_pairs(lanes)
-}
-
-#[inline(always)]
-const fn sum_of_pairs(pairs: u64) -> u8 {
-    let [.., low, _] = pairs.wrapping_mul(0x0001_0001_0001_0001).to_le_bytes();
-    low
-}
-
-/// Sums of two neighbours each, 16 bits apart: so many can be added up before one runs into the next.
-#[inline(always)]
-const fn pairs(word: u64) -> u64 {
-    const EVEN: u64 = 0x00FF_00FF_00FF_00FF;
-    (word & EVEN).wrapping_add((word >> 8) & EVEN)
 }
 
 /// Copies as many items as both have. `item` makes a byte what `to` consists of.
@@ -69,5 +42,41 @@ pub(super) fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) 
     }
     for (place, byte) in to.iter_mut().zip(from) {
         *place = item(*byte);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::{add_up, copy};
+
+    fn some(length: usize) -> Vec<u8> {
+        (0..=u8::MAX).map(|place| place.wrapping_mul(167).wrapping_add(89)).take(length).collect()
+    }
+
+    #[test]
+    fn sums_are_those_of_one_byte_after_the_other() {
+        for length in 0..=255 {
+            let bytes = some(length);
+            let sum = bytes.iter().fold(200, |sum: u8, byte| sum.wrapping_add(*byte));
+            assert_eq!(add_up(200, &bytes), sum, "{length} bytes");
+        }
+        assert_eq!(add_up(0, &[0xFF; 255]), 1);
+    }
+
+    #[test]
+    fn as_many_bytes_are_copied_as_both_sides_have() {
+        for from in 0..=255 {
+            for to in [from, 0, 1, 7, 8, 9, 100, 255] {
+                let (source, mut copied, mut expected) = (some(from), vec![0; to], vec![0; to]);
+                for (place, byte) in expected.iter_mut().zip(&source) {
+                    *place = *byte;
+                }
+                copy(&source, &mut copied, |byte| byte);
+                assert_eq!(copied, expected, "{from} bytes to {to}");
+            }
+        }
     }
 }

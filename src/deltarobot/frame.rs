@@ -80,19 +80,20 @@ pub fn encode(opcode: Opcode, payload: &[u8], out: &mut [MaybeUninit<u8>; FRAME_
     place_of_opcode.write(opcode.0);
     place_of_length.write(length);
     let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
-    let behind = if FAST {
-        sum = sum.wrapping_add(bytes::sum(payload));
-        bytes::copy(payload, rest, MaybeUninit::new);
-        rest.get_mut(payload.len()..)?
+    let (places, behind) = rest.split_at_mut_checked(payload.len())?;
+    let [place_of_sum, place_of_end, ..] = behind else { return None };
+    if FAST {
+        // Most frames have none.
+        if !payload.is_empty() {
+            sum = bytes::add_up(sum, payload);
+            bytes::copy(payload, places, MaybeUninit::new);
+        }
     } else {
-        let mut places = rest.iter_mut();
-        for (byte, place) in payload.iter().zip(&mut places) {
+        for (place, byte) in places.iter_mut().zip(payload) {
             place.write(*byte);
             sum = sum.wrapping_add(*byte);
         }
-        places.into_slice()
-    };
-    let [place_of_sum, place_of_end, ..] = behind else { return None };
+    }
     place_of_sum.write(sum);
     place_of_end.write(FRAME_END);
     Some(payload.len().wrapping_add(FRAME_OVERHEAD))

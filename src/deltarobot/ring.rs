@@ -3,9 +3,9 @@
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::{Opcode, bytes};
-use crate::config::{DP_BUFSIZE, FAST};
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
+use super::{Opcode, bytes, shortcut};
+use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// A byte of the ring; C calls it `char`.
 pub type RingByte = u8;
@@ -52,8 +52,8 @@ pub enum NoFrame {
 
 /// What stands at a place in the ring.
 enum Candidate {
-    /// A frame of so many bytes.
-    Intact(usize),
+    /// A frame, with so many bytes of payload.
+    Intact(Opcode, usize),
     /// The beginning of a frame, or nothing at all.
     Incomplete,
     /// A byte no frame begins with.
@@ -78,7 +78,7 @@ impl Ring {
     /// Number of bytes that fit without loss.
     #[must_use]
     pub fn room(&self) -> usize {
-        DP_BUFSIZE.wrapping_sub(self.position().1)
+        if self.is_sound() { DP_BUFSIZE.wrapping_sub(self.used.cast_unsigned() as usize) } else { DP_BUFSIZE }
     }
 
     /// Adds bytes at the end. Where they don't fit, the oldest make room for them; of more bytes than the whole ring
@@ -89,34 +89,31 @@ impl Ring {
     /// [`Overflow`] when a byte was lost, old or new.
     #[inline(always)]
     pub fn append(&mut self, input: &[u8]) -> Result<(), Overflow> {
-        let (mut start, mut used) = self.position();
+        let (start, used) = self.healed();
+        let mut end = wrap(start.wrapping_add(used));
         let taken = input.get(..DP_BUFSIZE).unwrap_or(input);
-        let mut lost = taken.len() != input.len();
         if FAST {
-            let free = wrap(start.wrapping_add(used));
-            let excess = used.wrapping_add(taken.len()).saturating_sub(DP_BUFSIZE);
-            lost |= excess != 0;
-            start = wrap(start.wrapping_add(excess));
-            used = used.wrapping_add(taken.len()).wrapping_sub(excess);
-            let (front, back) = self.bytes.split_at_mut_checked(free).unwrap_or_default();
+            let (front, back) = self.bytes.split_at_mut_checked(end).unwrap_or_default();
             let (first, rest) = taken.split_at_checked(back.len()).unwrap_or((taken, &[]));
             bytes::copy(first, back, |byte| byte);
             bytes::copy(rest, front, |byte| byte);
+            end = wrap(end.wrapping_add(taken.len()));
         } else {
             for byte in taken {
-                if let Some(place) = self.bytes.get_mut(wrap(start.wrapping_add(used))) {
+                if let Some(place) = self.bytes.get_mut(end) {
                     *place = *byte;
                 }
-                if used == DP_BUFSIZE {
-                    start = wrap(start.wrapping_add(1));
-                    lost = true;
-                } else {
-                    used = used.wrapping_add(1);
-                }
+                end = wrap(end.wrapping_add(1));
             }
         }
-        (self.start, self.used) = (int(start), int(used));
-        if lost { Err(Overflow) } else { Ok(()) }
+        let wanted = used.wrapping_add(input.len());
+        if wanted > DP_BUFSIZE {
+            // A full ring starts where it ends.
+            (self.start, self.used) = (int(end), const { int(DP_BUFSIZE) });
+            return Err(Overflow);
+        }
+        self.used = int(wanted);
+        Ok(())
     }
 
     /// Takes the next frame out of the ring. An incomplete one at the start is waited for, never overtaken by one
@@ -141,26 +138,24 @@ impl Ring {
 
     #[inline(always)]
     pub(crate) fn search(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
-        let (mut start, mut used) = self.position();
-        let before = used;
+        let mut none = NoFrame::Waiting;
+        let (mut start, mut used) = self.healed();
         loop {
-            match self.judge(start, used) {
-                Candidate::Intact(size) => {
-                    (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
-                    return Ok(Frame {
-                        opcode: Opcode(self.byte(start.wrapping_add(1))),
-                        payload: self.payload(start, size.wrapping_sub(FRAME_OVERHEAD)),
-                    });
-                }
-                Candidate::Incomplete if !idle || used == 0 => break,
-                Candidate::Incomplete | Candidate::Garbage => {
-                    start = wrap(start.wrapping_add(1));
-                    used = used.wrapping_sub(1);
-                }
+            let candidate = self.judge(start, used);
+            let begin = wrap(start.wrapping_add(FRAME_HEAD));
+            let taken = match candidate {
+                Candidate::Incomplete if !idle || used == 0 => return Err(none),
+                Candidate::Incomplete | Candidate::Garbage => 1,
+                Candidate::Intact(_, length) => length.wrapping_add(FRAME_OVERHEAD),
+            };
+            start = wrap(start.wrapping_add(taken));
+            used = used.wrapping_sub(taken);
+            (self.start, self.used) = (int(start), int(used));
+            if let Candidate::Intact(opcode, length) = candidate {
+                return Ok(Frame { opcode, payload: Payload { ring: &self.bytes, begin, length } });
             }
+            none = NoFrame::Garbage;
         }
-        (self.start, self.used) = (int(start), int(used));
-        Err(if used == before { NoFrame::Waiting } else { NoFrame::Garbage })
     }
 
     /// Judges what stands at `start`, with `used` bytes there in all. A candidate is given up as soon as a byte of it
@@ -176,44 +171,39 @@ impl Ring {
         if used == 1 {
             return Candidate::Incomplete;
         }
-        if !Opcode(self.byte(start.wrapping_add(1))).is_known() {
+        let opcode = Opcode(self.byte(start.wrapping_add(1)));
+        let known = if FAST { shortcut::limit(opcode) != 0 } else { opcode.is_known() };
+        if !known {
             return Candidate::Garbage;
         }
         if used == 2 {
             return Candidate::Incomplete;
         }
-        let size = usize::from(self.byte(start.wrapping_add(2))).wrapping_add(FRAME_OVERHEAD);
-        if size > FRAME_MAX {
+        let length = usize::from(self.byte(start.wrapping_add(2)));
+        if length > DP_DATA_MAX_SIZE {
             return Candidate::Garbage;
         }
+        let size = length.wrapping_add(FRAME_OVERHEAD);
         if used < size {
             return Candidate::Incomplete;
         }
-        if self.is_intact(start, size) { Candidate::Intact(size) } else { Candidate::Garbage }
+        if self.is_intact(start, size, opcode) { Candidate::Intact(opcode, length) } else { Candidate::Garbage }
     }
 
     /// Whether the frame of `size` bytes at `start` ends as it should.
     #[inline(always)]
-    fn is_intact(&self, start: usize, size: usize) -> bool {
+    fn is_intact(&self, start: usize, size: usize, opcode: Opcode) -> bool {
         if FAST && let Some(frame) = self.bytes.get(start..start.wrapping_add(size)) {
-            return match frame.split_last_chunk() {
-                Some((summed, &[sum, end])) => end == FRAME_END && sum == bytes::sum(summed).wrapping_add(FRAME_END),
-                None => false,
-            };
+            return shortcut::is_intact(frame, opcode);
         }
-        let mut place = start;
-        let end = start.wrapping_add(size).wrapping_sub(2);
-        let mut sum = FRAME_END;
-        while place != end {
-            sum = sum.wrapping_add(self.byte(place));
-            place = place.wrapping_add(1);
+        // A byte is summed when two more were read: so the last two, checksum and end, are not.
+        let (mut sum, mut before, mut last) = (FRAME_END, 0_u8, 0_u8);
+        for offset in 0..size {
+            sum = sum.wrapping_add(before);
+            before = last;
+            last = self.byte(start.wrapping_add(offset));
         }
-        self.byte(end) == sum && self.byte(end.wrapping_add(1)) == FRAME_END
-    }
-
-    #[inline(always)]
-    fn payload(&self, start: usize, length: usize) -> Payload<'_> {
-        Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length }
+        before == sum && last == FRAME_END
     }
 
     #[inline(always)]
@@ -221,12 +211,18 @@ impl Ring {
         self.bytes.get(wrap(place)).copied().unwrap_or_default()
     }
 
-    /// Where the unread bytes start and how many they are; fields out of range are an empty ring's.
+    /// Where the unread bytes start and how many they are. Fields out of range become an empty ring's.
     #[inline(always)]
-    fn position(&self) -> (usize, usize) {
-        let start = self.start.cast_unsigned() as usize;
-        let used = self.used.cast_unsigned() as usize;
-        if start >= DP_BUFSIZE || used > DP_BUFSIZE { (0, 0) } else { (start, used) }
+    fn healed(&mut self) -> (usize, usize) {
+        if !self.is_sound() {
+            (self.start, self.used) = (0, 0);
+        }
+        (self.start.cast_unsigned() as usize, self.used.cast_unsigned() as usize)
+    }
+
+    #[inline(always)]
+    const fn is_sound(&self) -> bool {
+        (self.start.cast_unsigned() as usize) < DP_BUFSIZE && self.used.cast_unsigned() as usize <= DP_BUFSIZE
     }
 }
 

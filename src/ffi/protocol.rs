@@ -89,6 +89,7 @@ pub struct Position {
 }
 
 // The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "evaluated by the compiler")]
 const _: () = {
     const INT: usize = size_of::<c_int>();
     const fn align_up(size: usize) -> usize {
@@ -189,13 +190,51 @@ pub(super) unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
         && !msg.is_null()
         // SAFETY: as the contract of dp_recv asks.
         && let Some(ring) = unsafe { data.as_mut() }
-        && let Some(found) = ring.shortcut()
     {
-        // SAFETY: msg is not NULL, so a message outside the ring by the contract of dp_recv.
-        return unsafe { answer(msg, found) };
+        match ring.glance() {
+            // SAFETY: msg is not NULL, so a message outside the ring by the contract of dp_recv.
+            Some(Err(none)) => return unsafe { answer(msg, Some(Err(none))) },
+            Some(Ok(it)) if it.length <= SHORT => {
+                // SAFETY: as above.
+                return unsafe { recv_whole::<SHORT>(ring, msg, it.start, it.used, it.opcode, it.length) };
+            }
+            Some(Ok(it)) => {
+                // SAFETY: as above.
+                return unsafe { recv_whole::<DP_DATA_MAX_SIZE>(ring, msg, it.start, it.used, it.opcode, it.length) };
+            }
+            None => {}
+        }
     }
     // SAFETY: the same contract.
     unsafe { recv_any(data, msg, false) }
+}
+
+/// Payloads of most frames: requests have none, an acknowledgement one byte.
+const SHORT: usize = 3;
+
+/// What [`Ring::glance`] saw whole, with at most MAX bytes of payload. A function of its own, and one for [`SHORT`] payloads,
+/// because every register that its loops need would have to be saved by all calls that share them.
+///
+/// # Safety
+///
+/// msg points to a writable message outside the ring.
+#[inline(never)]
+unsafe fn recv_whole<const MAX: usize>(
+    ring: &mut Ring,
+    msg: *mut ProtocolMsg,
+    start: usize,
+    used: usize,
+    opcode: u8,
+    length: usize,
+) -> c_int {
+    if length <= MAX
+        && let Some(frame) = ring.take(start, used, opcode, length)
+    {
+        // SAFETY: the same contract.
+        return unsafe { answer(msg, Some(Ok(frame))) };
+    }
+    // SAFETY: a ring and a message, as recv_any asks.
+    unsafe { recv_any(ring, msg, false) }
 }
 
 /// Any state of the ring. A function of its own where there is a faster way for the usual ones.
@@ -210,13 +249,9 @@ pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool
         return DP_RC_ERROR_GENERIC;
     }
     // SAFETY: NULL, or a ring by the contract of this function.
-    let Some(ring) = (unsafe { data.as_mut() }) else {
-        // SAFETY: msg is not NULL, so a message by the contract of this function.
-        unsafe { (*msg).opcode = NO_OPCODE };
-        return DP_RC_ERROR_GENERIC;
-    };
+    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle));
     // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
-    unsafe { answer(msg, ring.search(idle)) }
+    unsafe { answer(msg, found) }
 }
 
 /// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
@@ -225,25 +260,23 @@ pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool
 ///
 /// msg points to a writable message outside the ring that holds the frame.
 #[inline(always)]
-unsafe fn answer(msg: *mut ProtocolMsg, found: Result<Frame<'_>, NoFrame>) -> c_int {
+unsafe fn answer(msg: *mut ProtocolMsg, found: Option<Result<Frame<'_>, NoFrame>>) -> c_int {
     // SAFETY: as the contract of this function asks; chars and bytes that may be uninitialised have the same layout.
     unsafe {
-        match found {
-            Ok(frame) => {
+        let none = match found {
+            Some(Ok(frame)) => {
                 (*msg).opcode = frame.opcode.0;
                 (*msg).data_s = int(frame.payload.len());
                 frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
                 (*msg).checksum_ok = 1;
-                DP_RC_SUCCESS
+                return DP_RC_SUCCESS;
             }
-            Err(none) => {
-                (*msg).opcode = NO_OPCODE;
-                match none {
-                    NoFrame::Waiting => DP_RC_NO_FRAME,
-                    NoFrame::Garbage => DP_RC_GARBAGE,
-                }
-            }
-        }
+            Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
+            Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
+            None => DP_RC_ERROR_GENERIC,
+        };
+        (*msg).opcode = NO_OPCODE;
+        none
     }
 }
 

@@ -14,9 +14,9 @@ pub const DP_SERIAL_SEND_MS: c_long = 1000;
 
 /// Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
 ///
-/// baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. Nobody else can open the
-/// device as long as it is open: neither by this function nor, unless as root, otherwise. What was received before is
-/// thrown away.
+/// baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long as it is
+/// open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal, otherwise.
+/// What was received before is thrown away.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device is NULL.
 /// When it did not succeed, the port is closed: it need not be, but can be, closed.

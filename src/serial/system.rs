@@ -31,13 +31,23 @@ pub(super) fn close(fd: Descriptor) {
     unsafe { libc::close(fd) };
 }
 
-/// Keeps others away: a lock, and for those who don't ask for locks (root is above that) a refusal to open it again.
+/// Keeps others away: by a lock, and where that is possible also those who don't ask for locks, unless they are root.
 pub(super) fn claim(fd: Descriptor) -> Result<(), Errno> {
     // SAFETY: no memory is touched.
     success(unsafe { libc::flock(fd, libc::LOCK_EX | libc::LOCK_NB) })?;
-    // SAFETY: this request takes no argument. It fails on what is no terminal, which is found out otherwise.
-    unsafe { libc::ioctl(fd, libc::TIOCEXCL) };
+    // A pseudo-terminal would stay closed to others if this program were killed, for as long as its other end is open.
+    if has_modem_lines(fd) {
+        // SAFETY: this request takes no argument.
+        unsafe { libc::ioctl(fd, libc::TIOCEXCL) };
+    }
     Ok(())
+}
+
+/// Whether it is more than a pseudo-terminal.
+fn has_modem_lines(fd: Descriptor) -> bool {
+    let mut lines: c_int = 0;
+    // SAFETY: the argument of this request is an int.
+    success(unsafe { libc::ioctl(fd, libc::TIOCMGET, &raw mut lines) }).is_ok()
 }
 
 /// Lets others in: also where the device stays opened by another descriptor, or the file by a child process.

@@ -5,6 +5,7 @@
     clippy::arithmetic_side_effects,
     reason = "numbers here are times and sizes of what fits in memory, and a program may stop where a library must not"
 )]
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test that can't go on fails"))]
 
 mod decode;
 mod decoder;

