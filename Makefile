@@ -187,4 +187,4 @@ help:
 	@sed -n 's/^\([a-z-]*\):.*## /  \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-17s %s\n", $$1, $$2 }'
 	@echo "Variables: DP_BUFSIZE DP_DATA_MAX_SIZE OUT DP_TARGET CROSS_COMPILE PREFIX LIBDIR INCLUDEDIR DESTDIR V=1"
 
-include $(wildcard firmware/*.mk)
+include firmware/firmware.mk
