@@ -202,11 +202,27 @@ pub(super) unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
                 // SAFETY: as above.
                 return unsafe { recv_whole::<DP_DATA_MAX_SIZE>(ring, msg, it.start, it.used, it.opcode, it.length) };
             }
-            None => {}
+            // SAFETY: as above.
+            None => return unsafe { recv_odd(ring, msg) },
         }
     }
     // SAFETY: the same contract.
     unsafe { recv_any(data, msg, false) }
+}
+
+/// What takes more than a glance. A function of its own for the same reason as [`recv_whole`].
+///
+/// # Safety
+///
+/// msg points to a writable message outside the ring.
+#[inline(never)]
+unsafe fn recv_odd(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    if ring.drop_head() {
+        // SAFETY: the same contract.
+        return unsafe { answer(msg, Some(Err(NoFrame::Garbage))) };
+    }
+    // SAFETY: a ring and a message, as recv_any asks.
+    unsafe { recv_any(ring, msg, false) }
 }
 
 /// Payloads of most frames: requests have none, an acknowledgement one byte.
