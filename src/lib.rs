@@ -26,6 +26,16 @@
 // Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the
 // compiler would turn copy loops into calls of memcpy.
 #![no_builtins]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::arithmetic_side_effects,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used,
+        reason = "a test that can't go on fails"
+    )
+)]
 
 #[cfg(feature = "std")]
 extern crate std;

@@ -171,13 +171,6 @@ impl Default for Dispatcher {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test that can't go on fails"
-)]
 mod tests {
     use super::{Dispatcher, Judgement, Message, Opcode, Position, Report};
 

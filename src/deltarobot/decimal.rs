@@ -149,13 +149,6 @@ const fn digit(value: u32) -> u8 {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test that can't go on fails"
-)]
 mod tests {
     use super::write_float;
     use std::string::String;

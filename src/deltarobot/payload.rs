@@ -220,13 +220,6 @@ const fn can_be_stat(byte: u8) -> bool {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test that can't go on fails"
-)]
 mod tests {
     use super::{Layout, Message, Opcode, PAYLOAD_MAX, Position, Report, State};
 

@@ -94,13 +94,6 @@ fn fixed(bits: u32) -> Option<i32> {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test that can't go on fails"
-)]
 mod tests {
     use super::{Position, fixed};
 

@@ -121,13 +121,6 @@ impl Link {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::arithmetic_side_effects,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test that can't go on fails"
-)]
 mod tests {
     use super::{Health, Link, Opcode};
 
