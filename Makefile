@@ -1,8 +1,8 @@
 # libdeltarobot. `make` builds the library, `make help` lists the other targets, README.md tells the rest.
 
-# Bytes of a ring, and of the longest payload (1 to 255): fixed when the library is built.
-DP_BUFSIZE       ?= 128
-DP_DATA_MAX_SIZE ?= 32
+include src/sizes.mk
+ALL_SIZES := $(shell sed -n 's/ ?= .*//p' src/sizes.mk)
+export $(ALL_SIZES)
 # Where the library, its symbolic links and its headers go: a path without spaces. Any number of sizes can be built
 # there one after the other.
 OUT              ?= target/release
@@ -41,23 +41,25 @@ endif
 
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)
 SONAME  := libdeltarobot.so.$(firstword $(subst ., ,$(VERSION)))
-SIZES   := $(DP_BUFSIZE)_$(DP_DATA_MAX_SIZE)
-NAMES    = $(shell sed 's/@SIZES@/$(SIZES)/' src/ffi/exports.txt)
+# What the library exports, of which the serial port is a part that can be left out.
+NAMES    = $(shell cat $(GENERATED)/exports.txt)
 EXPORTS  = $(filter-out dp_serial_%,$(NAMES)) $(SERIAL_EXPORTS)
-SERIAL_EXPORTS = $(if $(filter yes,$(SERIAL)),$(filter dp_serial_%,$(NAMES)))
+SERIAL_EXPORTS := $(if $(filter yes,$(SERIAL)),$(shell grep ^dp_serial_ src/ffi/exports.txt))
 
 # Cargo's files (several OUTs can share them, one after the other), and the finished ones before they are put into
 # $(OUT): a plain `cargo build --release` writes its own libdeltarobot.a and .so into target/release.
 CARGO_DIR ?= $(OUT)/.cargo
 STAGE     := $(OUT)/.stage
 BUILT     := $(CARGO_DIR)/$(DP_TARGET)/release
-# Headers are generated into a directory of these sizes, so that none of other sizes can be mistaken for them.
-GENERATED := $(CARGO_DIR)/include/$(SIZES)
+# Headers and the list of symbols are generated into a directory of these sizes, so that none of other sizes can be mistaken
+# for them.
+GENERATED := $(CARGO_DIR)/include/$(subst $(subst ,, ),_,$(foreach size,$(ALL_SIZES),$($(size))))
 
 # $(call renew,FILE,COPY): the copy keeps its time when nothing changed, so that what depends on it is not made again.
 # It is replaced, never written to: it may be a hard link of cargo's.
 renew = if ! cmp -s $(1) $(2); then cp $(1) $(2).new && mv -f $(2).new $(2); fi
 
+HEADERS := $(patsubst include/%,%,$(wildcard include/*.h include/libdeltarobot/*.h))
 SHIPPED := $(STAGE)/libdeltarobot.a
 ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/libdeltarobot.so
@@ -70,9 +72,9 @@ all: lib
 
 lib: $(SHIPPED) ## builds the library (default)
 	$(Q)mkdir -p $(OUT)/include/libdeltarobot
-	$(Q)for header in $(notdir $(wildcard include/libdeltarobot/*)); do \
-	    from=$(GENERATED)/$$header; test -e $$from || from=include/libdeltarobot/$$header; \
-	    $(call renew,$$from,$(OUT)/include/libdeltarobot/$$header) || exit; \
+	$(Q)for header in $(HEADERS); do \
+	    from=$(GENERATED)/$$header; test -e $$from || from=include/$$header; \
+	    $(call renew,$$from,$(OUT)/include/$$header) || exit; \
 	done
 	$(Q)$(call renew,$(STAGE)/libdeltarobot.a,$(OUT)/libdeltarobot.a)
 ifeq ($(SHARED),yes)
@@ -88,8 +90,7 @@ endif
 # No std in it; of other libraries the .so needs libc, and that only for the serial port.
 $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
-	+$(Q)DP_BUFSIZE='$(DP_BUFSIZE)' DP_DATA_MAX_SIZE='$(DP_DATA_MAX_SIZE)' DP_HEADER_DIR='$(GENERATED)' \
-	$(CARGO) rustc $(QUIET) --lib --release --no-default-features \
+	+$(Q)DP_HEADER_DIR='$(GENERATED)' $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
 	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
 	    --crate-type staticlib$(if $(filter yes,$(SHARED)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
@@ -122,12 +123,11 @@ $(STAGE)/libdeltarobot.so: $(STAGE)/cargo.so Makefile
 # Into a new directory each time: cargo then runs the generator even if it sees no need to.
 header: ## renews include/, which holds the headers of the default sizes
 	+$(Q)rm -rf target/header/include.* && new=target/header/include.$$$$ && \
-	DP_BUFSIZE=128 DP_DATA_MAX_SIZE=32 DP_HEADER_DIR=$$new \
-	    $(CARGO) check $(QUIET) --lib --target-dir target/header && \
-	for header in $$new/*; do \
-	    $(call renew,$$header,include/libdeltarobot/$${header##*/}) || exit; \
+	env $(ALL_SIZES:%=-u %) DP_HEADER_DIR=$$new $(CARGO) check $(QUIET) --lib --target-dir target/header && \
+	cd $$new && for header in $$(find * -name '*.h'); do \
+	    $(call renew,$$header,$(CURDIR)/include/$$header) || exit; \
 	done
-	@echo "header: include/libdeltarobot is up to date"
+	@echo "header: include is up to date"
 
 # The tests call `make` themselves: they shall not take this one's options for theirs.
 test: ## runs all tests; TESTFLAGS go to `cargo test`
@@ -142,14 +142,14 @@ check-artifact: lib ## proves that the library exports what it should, and needs
 install: $(if $(shell command -v $(CARGO)),lib) ## installs below PREFIX; also DESTDIR, LIBDIR, INCLUDEDIR
 install uninstall:
 	$(Q)DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
-	    OUT='$(OUT)' VERSION='$(VERSION)' DP_BUFSIZE='$(DP_BUFSIZE)' DP_DATA_MAX_SIZE='$(DP_DATA_MAX_SIZE)' \
+	    OUT='$(OUT)' VERSION='$(VERSION)' \
 	    packaging/install.sh $@
 uninstall: ## removes what install put there, given the same directories
 
 # Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes are
 # always the default ones.
 cli: ## builds the program `deltarobot` into $(OUT)
-	+$(Q)mkdir -p $(OUT) && DP_BUFSIZE=128 DP_DATA_MAX_SIZE=32 $(CARGO) build $(QUIET) --release --features cli \
+	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release --features cli \
 	    --bin deltarobot --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
 	$(Q)$(call renew,$(BUILT)/deltarobot,$(OUT)/deltarobot)
 	@echo "cli: $(OUT)/deltarobot"
@@ -181,11 +181,11 @@ fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
 FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
-	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(OUT)/include/libdeltarobot $(OUT)/libdeltarobot.* $(OUT)/deltarobot
+	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) $(OUT)/libdeltarobot.* $(OUT)/deltarobot
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-17s %s\n", $$1, $$2 }'
-	@echo "Variables: DP_BUFSIZE DP_DATA_MAX_SIZE OUT DP_TARGET CROSS_COMPILE PREFIX LIBDIR INCLUDEDIR DESTDIR V=1"
+	@echo "Variables: $(ALL_SIZES) OUT DP_TARGET CROSS_COMPILE PREFIX LIBDIR INCLUDEDIR DESTDIR V=1"
 
 include firmware/firmware.mk

@@ -1,17 +1,21 @@
 //! Fixes the sizes and generates the C headers for them.
 //!
-//! Reads from the environment: `DP_BUFSIZE` and `DP_DATA_MAX_SIZE` (see `src/config.rs`), and `DP_HEADER_DIR`,
-//! the directory that shall receive the headers (`make` sets it; without it they stay in cargo's `OUT_DIR`).
+//! Reads from the environment: the sizes that `src/sizes.mk` lists, and `DP_HEADER_DIR`, the directory that shall receive
+//! the headers and `exports.txt`, the symbols to export (`make` sets it; without it they stay in cargo's `OUT_DIR`).
 
 use std::{env, error::Error, fmt::Write, fs, path::Path};
 
-/// The headers: `NAME.h` is generated from `src/ffi/NAME.rs` (and the further files named here, for types whose
-/// layout it shows) with the settings in `src/ffi/NAME.toml`.
-const HEADERS: [(&str, &[&str]); 6] = [
-    ("protocol", &["src/deltarobot/ring.rs"]),
-    ("protocol_ext", &[]),
-    ("payload", &[]),
+/// Prefixes of sizes, and of the functions that rest on them.
+const FAMILIES: [&str; 3] = ["DP", "OLP", "GX"];
+
+/// The headers: each is generated from a module, `src/ffi/MODULE.rs` (and the further files named here, for types whose
+/// layout it shows), with the settings in `src/ffi/MODULE.toml`.
+const HEADERS: [(&str, &str, &[&str]); 6] = [
+    ("libdeltarobot/protocol.h", "protocol", &["src/deltarobot/ring.rs"]),
+    ("libdeltarobot/protocol_ext.h", "protocol_ext", &[]),
+    ("libdeltarobot/payload.h", "payload", &[]),
     (
+        "libdeltarobot/host.h",
         "host",
         &[
             "src/deltarobot/host.rs",
@@ -21,44 +25,111 @@ const HEADERS: [(&str, &[&str]); 6] = [
             "src/deltarobot/host/settings.rs",
         ],
     ),
-    ("controller", &["src/deltarobot/controller.rs"]),
-    ("serial", &["src/serial.rs"]),
+    ("libdeltarobot/controller.h", "controller", &["src/deltarobot/controller.rs"]),
+    ("libdeltarobot/serial.h", "serial", &["src/serial.rs"]),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let bufsize = size("DP_BUFSIZE", 128)?;
-    let data_max = size("DP_DATA_MAX_SIZE", 32)?;
+    let sizes = sizes()?;
     let out = env::var("OUT_DIR")?;
 
-    fs::write(
-        Path::new(&out).join("sizes.rs"),
-        format!(
-            "/// Bytes that a ring holds, by default 128.\npub const DP_BUFSIZE: usize = {bufsize};\n\
-             /// Longest payload of a frame in bytes, 1 to 255, by default 32.\npub const DP_DATA_MAX_SIZE: usize = {data_max};\n"
-        ),
-    )?;
-    println!("cargo::rustc-env=DP_SIZES={bufsize}_{data_max}");
+    let mut constants = String::new();
+    for size in &sizes {
+        writeln!(constants, "/// {}\npub const {}: usize = {};", size.meaning, size.name, size.value)?;
+    }
+    fs::write(Path::new(&out).join("sizes.rs"), constants)?;
+    for family in FAMILIES {
+        println!("cargo::rustc-env={family}_SIZES={}", suffix(&sizes, family));
+    }
 
     println!("cargo::rerun-if-env-changed=DP_HEADER_DIR");
     println!("cargo::rerun-if-changed=src");
-    let dir = env::var("DP_HEADER_DIR").unwrap_or_else(|_| format!("{out}/include/libdeltarobot"));
-    fs::create_dir_all(&dir)?;
-    for (name, types) in HEADERS {
-        write_if_new(&Path::new(&dir).join(format!("{name}.h")), &header(name, types, &bufsize, &data_max)?)?;
+    let dir = env::var("DP_HEADER_DIR").unwrap_or_else(|_| format!("{out}/include"));
+    fs::create_dir_all(Path::new(&dir).join("libdeltarobot"))?;
+    for (path, module, types) in HEADERS {
+        write_if_new(&Path::new(&dir).join(path), &header(path, module, types, &sizes)?)?;
     }
+    write_if_new(&Path::new(&dir).join("exports.txt"), &exports(&sizes)?)?;
     Ok(())
 }
 
-/// The size that the environment asks for, as a decimal number. Its range is `src/config.rs`'s business.
-fn size(name: &str, default: u32) -> Result<String, String> {
-    println!("cargo::rerun-if-env-changed={name}");
-    let Ok(text) = env::var(name) else {
-        return Ok(default.to_string());
-    };
-    match text.trim().parse::<u32>() {
-        Ok(value) => Ok(value.to_string()),
-        Err(_) => Err(format!("{name}={text}: not a whole number of bytes")),
+/// A size that is fixed when the library is built.
+struct Size {
+    name: String,
+    value: u32,
+    meaning: String,
+}
+
+/// The sizes of `src/sizes.mk`, as the environment asks for them: decimal numbers. Their ranges are `src/config.rs`'s
+/// business.
+fn sizes() -> Result<Vec<Size>, Box<dyn Error>> {
+    let text = fs::read_to_string(format!("{}/src/sizes.mk", env::var("CARGO_MANIFEST_DIR")?))?;
+    let mut sizes = Vec::new();
+    let mut meaning = String::new();
+    for line in text.lines() {
+        if let Some((name, default)) = line.split_once(" ?= ") {
+            println!("cargo::rerun-if-env-changed={name}");
+            let asked = env::var(name).unwrap_or_else(|_| default.into());
+            let value = asked.trim().parse().map_err(|_| format!("{name}={asked}: not a whole number"))?;
+            sizes.push(Size { name: name.into(), value, meaning: format!("{meaning}By default {default}.") });
+        }
+        meaning = line.strip_prefix("# ").map_or_else(String::new, |text| format!("{text} "));
     }
+    Ok(sizes)
+}
+
+/// The sizes of a family as they stand in the names of symbols: `128_32`.
+fn suffix(sizes: &[Size], family: &str) -> String {
+    let values: Vec<_> =
+        sizes.iter().filter(|size| size.name.starts_with(family)).map(|size| size.value.to_string()).collect();
+    values.join("_")
+}
+
+/// The symbols that `src/ffi/exports.txt` lists, for these sizes.
+fn exports(sizes: &[Size]) -> Result<String, Box<dyn Error>> {
+    let list = fs::read_to_string(format!("{}/src/ffi/exports.txt", env::var("CARGO_MANIFEST_DIR")?))?;
+    let mut symbols = String::new();
+    for name in list.lines() {
+        let family = name.split('_').next().unwrap_or_default().to_uppercase();
+        writeln!(symbols, "{}", name.replace("@SIZES@", &suffix(sizes, &family)))?;
+    }
+    Ok(symbols)
+}
+
+/// What the first header of a family says about its sizes.
+fn sizes_block(sizes: &[Size], family: &str) -> Result<String, Box<dyn Error>> {
+    let sizes = || sizes.iter().filter(|size| size.name.starts_with(family));
+    let mut text = String::from(
+        "/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */\n",
+    );
+    for Size { name, value, .. } in sizes() {
+        writeln!(text, "#if defined({name}) && ({name}) != {value}")?;
+        writeln!(
+            text,
+            "#error \"libdeltarobot was built with {name}={value}: build it again with the size that this program defines\"\n#endif"
+        )?;
+    }
+    for Size { name, value, meaning } in sizes() {
+        writeln!(text, "/* {meaning} */\n#ifndef {name}\n#define {name} {value}\n#endif")?;
+    }
+    text += "
+/*
+ * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
+ * of other sizes. The plain names are there for programs compiled without it.
+ */
+#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
+#define @FAMILY@_SIZED_STR_(text) #text
+#define @FAMILY@_SIZED_STR(text) @FAMILY@_SIZED_STR_(text)
+#ifdef __USER_LABEL_PREFIX__
+#define @FAMILY@_SIZED(name) __asm__(@FAMILY@_SIZED_STR(__USER_LABEL_PREFIX__) name \"_@SUFFIX@\")
+#else
+#define @FAMILY@_SIZED(name) __asm__(name \"_@SUFFIX@\")
+#endif
+#else
+#define @FAMILY@_SIZED(name)
+#define @FAMILY@_SIZED_BY_MACRO
+#endif";
+    Ok(text)
 }
 
 /// Leaves a header that is as it should be alone, for the sake of those who make things depend on it.
@@ -67,22 +138,22 @@ fn write_if_new(path: &Path, text: &str) -> std::io::Result<()> {
 }
 
 /// The text of a header: what its `.toml` says, and what all of them have in common.
-fn header(name: &str, types: &[&str], bufsize: &str, data_max: &str) -> Result<String, Box<dyn Error>> {
+fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<String, Box<dyn Error>> {
     let manifest = env::var("CARGO_MANIFEST_DIR")?;
-    let mut config = cbindgen::Config::from_file(format!("{manifest}/src/ffi/{name}.toml"))?;
+    let mut config = cbindgen::Config::from_file(format!("{manifest}/src/ffi/{module}.toml"))?;
     config.language = cbindgen::Language::C;
     config.style = cbindgen::Style::Tag;
     config.documentation_style = cbindgen::DocumentationStyle::C;
     config.no_includes = true;
     config.line_length = 110;
     // cbindgen's own guard and its extern "C" are no C89.
-    let guard = format!("LIBDELTAROBOT_{}_H", name.to_uppercase());
+    let guard = path.to_uppercase().replace(['/', '.'], "_");
     config.header = config.header.map(|text| format!("{text}\n#ifndef {guard}\n#define {guard}"));
     config.after_includes =
         config.after_includes.map(|text| format!("{text}\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n"));
     config.trailer = Some("\n#ifdef __cplusplus\n}\n#endif\n\n#endif".into());
 
-    let mut builder = cbindgen::Builder::new().with_config(config).with_src(format!("{manifest}/src/ffi/{name}.rs"));
+    let mut builder = cbindgen::Builder::new().with_config(config).with_src(format!("{manifest}/src/ffi/{module}.rs"));
     for source in types {
         builder = builder.with_src(format!("{manifest}/{source}"));
     }
@@ -90,25 +161,28 @@ fn header(name: &str, types: &[&str], bufsize: &str, data_max: &str) -> Result<S
     builder.generate()?.write(&mut text);
     let mut text = String::from_utf8(text)?;
 
-    // For compilers that can't give a function another symbol, a macro does.
-    let mut renames = String::from("#ifdef DP_SIZED_BY_MACRO\n");
-    for declaration in text.split("DP_SIZED(\"").skip(1) {
-        let function = declaration.split('"').next().unwrap_or_default();
-        writeln!(renames, "#define {function} {function}_{bufsize}_{data_max}")?;
+    for family in FAMILIES {
+        text = text.replace(&format!("@{family}_SIZES@"), &sizes_block(sizes, family)?);
+        text = text.replace("@FAMILY@", family).replace("@SUFFIX@", &suffix(sizes, family));
+
+        // For compilers that can't give a function another symbol, a macro does.
+        let mut renames = String::new();
+        for declaration in text.split(&format!("{family}_SIZED(\"")).skip(1) {
+            let function = declaration.split('"').next().unwrap_or_default();
+            writeln!(renames, "#define {function} {function}_{}", suffix(sizes, family))?;
+        }
+        let renames = format!("#ifdef {family}_SIZED_BY_MACRO\n{renames}#endif");
+        text = text.replace(&format!("@{family}_SIZED_NAMES@"), &renames);
     }
-    renames += "#endif";
 
     let version = |part: &str| env::var(format!("CARGO_PKG_VERSION{part}"));
     for (placeholder, value) in [
-        ("@SIZED_NAMES@", renames.as_str()),
-        ("@DP_BUFSIZE@", bufsize),
-        ("@DP_DATA_MAX_SIZE@", data_max),
-        ("@VERSION@", &version("")?),
-        ("@VERSION_MAJOR@", &version("_MAJOR")?),
-        ("@VERSION_MINOR@", &version("_MINOR")?),
-        ("@VERSION_PATCH@", &version("_PATCH")?),
+        ("@VERSION@", version("")?),
+        ("@VERSION_MAJOR@", version("_MAJOR")?),
+        ("@VERSION_MINOR@", version("_MINOR")?),
+        ("@VERSION_PATCH@", version("_PATCH")?),
     ] {
-        text = text.replace(placeholder, value);
+        text = text.replace(placeholder, &value);
     }
     Ok(text)
 }

@@ -180,7 +180,7 @@ fn wrong_sizes_are_refused_and_leave_the_library_alone() {
         ("DP_BUFSIZE=3000000000", "DP_BUFSIZE is too large"),
         ("DP_DATA_MAX_SIZE=0", "DP_DATA_MAX_SIZE must be between 1 and 255"),
         ("DP_DATA_MAX_SIZE=256", "DP_DATA_MAX_SIZE must be between 1 and 255"),
-        ("DP_DATA_MAX_SIZE=abc", "DP_DATA_MAX_SIZE=abc: not a whole number of bytes"),
+        ("DP_DATA_MAX_SIZE=abc", "DP_DATA_MAX_SIZE=abc: not a whole number"),
     ] {
         let output = sandbox.make(&["lib", size, &format!("OUT={}", sandbox.path("new").display())]);
         assert!(!output.status.success(), "{size} was built");

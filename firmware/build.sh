@@ -4,7 +4,7 @@
 #   firmware/build.sh TARGET OUT    builds into the directory OUT
 #   firmware/build.sh TARGET        only looks for the tools: names them, or fails and says how to get what is missing
 #
-# Environment: DP_BUFSIZE, DP_DATA_MAX_SIZE; MCU (AVR only, default atmega2560); FIRMWARE_RUSTC, a compiler to use instead
+# Environment: the sizes in src/sizes.mk; MCU (AVR only, default atmega2560); FIRMWARE_RUSTC, a compiler to use instead
 # of the first suitable one in the PATH; FIRMWARE_PREFIX, the prefix of the GNU binutils, e.g. arm-none-eabi-;
 # FIRMWARE_OPT, the optimisation level; FIRMWARE_CARGO_DIR, where cargo works.
 set -eu
@@ -82,19 +82,21 @@ if [ $from = source ]; then
     export RUSTC_BOOTSTRAP=1
 fi
 export RUSTC="$rustc" RUSTFLAGS="$flags" CARGO_PROFILE_RELEASE_OPT_LEVEL="${FIRMWARE_OPT:-s}"
-export DP_BUFSIZE="${DP_BUFSIZE:-128}" DP_DATA_MAX_SIZE="${DP_DATA_MAX_SIZE:-32}" DP_HEADER_DIR="$work/$target/include"
+export DP_HEADER_DIR="$work/$target/include"
 # shellcheck disable=SC2086 # an option or nothing
 (cd "$root" && ${CARGO:-cargo} rustc --quiet --lib --release --no-default-features --features panic-handler \
     --crate-type staticlib --target "$target" $build_std --target-dir "$work")
 
 # The serial port is a part for hosts.
-cp "$DP_HEADER_DIR"/*.h "$out/include/libdeltarobot/"
+cp "$DP_HEADER_DIR"/*.h "$out/include"
+cp "$DP_HEADER_DIR"/libdeltarobot/*.h "$out/include/libdeltarobot"
+cp "$DP_HEADER_DIR/exports.txt" "$out"
 rm -f "$out/include/libdeltarobot/serial.h"
 
 # One object with only the public functions global, so that nothing in it can stand in for a function of the firmware's,
 # memcpy or one of libgcc's. The bitcode is for link-time optimisation in Rust, and the unwind tables only say "can't". The two
 # symbols ask for start-up code on AVR, which is the firmware's business.
-exports=$(sed "/^dp_serial_/d; s/@SIZES@/${DP_BUFSIZE}_$DP_DATA_MAX_SIZE/" "$root/src/ffi/exports.txt")
+exports=$(grep -v ^dp_serial_ "$out/exports.txt")
 object=$out/.deltarobot.o
 cp "$work/$target/release/libdeltarobot.a" "$object.a"
 "${prefix}objcopy" -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' -R '.rel.ARM.exidx*' \

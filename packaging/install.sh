@@ -73,8 +73,8 @@ case $1 in
             echo "install: $OUT has no library for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes; build it with make first" >&2
             exit 1
         fi
-        for header in include/libdeltarobot/*; do
-            put 644 "$OUT/$header" "$headers"
+        for header in include/*.h include/libdeltarobot/*; do
+            put 644 "$OUT/$header" "$(dirname "$includedir${header#include}")"
         done
         put 644 "$OUT/libdeltarobot.a" "$libdir"
         if [ -e "$OUT/libdeltarobot.so.$VERSION" ]; then
@@ -88,8 +88,8 @@ case $1 in
         echo "install: libdeltarobot $VERSION for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes is in $DESTDIR$libdir"
         ;;
     uninstall)
-        for header in include/libdeltarobot/*; do
-            rm -f "$DESTDIR$headers/${header##*/}"
+        for header in include/*.h include/libdeltarobot/*; do
+            rm -f "$DESTDIR$includedir${header#include}"
         done
         for file in .a .so ".so.$major" ".so.$VERSION"; do
             rm -f "$DESTDIR$libdir/libdeltarobot$file"

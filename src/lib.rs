@@ -40,9 +40,13 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod clock;
 pub mod config;
+mod decimal;
 pub mod deltarobot;
 pub mod ffi;
+pub mod gx;
+pub mod line;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic_handler;
 #[cfg(all(unix, feature = "serial"))]

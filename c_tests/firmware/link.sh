@@ -6,7 +6,7 @@ target=$1
 lib=$2
 work=$3/link-$1
 here=$(dirname "$0")
-exports=$(sed "/^dp_serial_/d; s/@SIZES@/${DP_BUFSIZE:-128}_${DP_DATA_MAX_SIZE:-32}/" "$here/../../src/ffi/exports.txt")
+exports=$(grep -v ^dp_serial_ "$lib/exports.txt")
 
 # shellcheck disable=SC2046 # a list of words
 set -- $("$here/../../firmware/build.sh" "$target")

@@ -14,19 +14,18 @@
 #if defined(DP_DATA_MAX_SIZE) && (DP_DATA_MAX_SIZE) != 32
 #error "libdeltarobot was built with DP_DATA_MAX_SIZE=32: build it again with the size that this program defines"
 #endif
-
-/* Bytes that a ring holds. */
+/* Bytes that a ring holds. By default 128. */
 #ifndef DP_BUFSIZE
 #define DP_BUFSIZE 128
 #endif
-/* Longest payload of a frame, in bytes. */
+/* Longest payload of a frame in bytes, 1 to 255. By default 32. */
 #ifndef DP_DATA_MAX_SIZE
 #define DP_DATA_MAX_SIZE 32
 #endif
 
 /*
  * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
- * of other sizes. Programs compiled before, with the original's header, link by the plain names.
+ * of other sizes. The plain names are there for programs compiled without it.
  */
 #if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
 #define DP_SIZED_STR_(text) #text

@@ -46,7 +46,6 @@
 //! IDLE, `h` and `m` are not believed while a repeat of the request may still be on its way, as that
 //! would start the operation again. No harm is done by ignoring an `h`: the status is asked for until the end.
 
-mod clock;
 mod event;
 mod health;
 mod link;
@@ -58,8 +57,7 @@ mod timers;
 use core::ffi::{c_int, c_uchar, c_ulong};
 use core::mem::MaybeUninit;
 
-use clock::stamp;
-pub(crate) use clock::time as clock_time;
+use crate::clock::stamp;
 pub use event::{Event, Outcome};
 use event::{TELL_CANCEL_ENDED, TELL_ENDED, TELL_MESSAGE, TELL_STATUS_ENDED};
 pub use health::Health;

@@ -6,7 +6,6 @@
 
 mod bytes;
 mod controller;
-mod decimal;
 mod frame;
 mod host;
 mod opcode;
@@ -18,7 +17,6 @@ mod text;
 
 pub use controller::{Dispatcher, Judgement, Order};
 pub use frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload, encode};
-pub(crate) use host::clock_time;
 pub use host::{Busy, Event, Health, Host, Link, Outcome, Request, Settings};
 pub use opcode::Opcode;
 pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};

@@ -2,8 +2,8 @@
 
 use core::ffi::CStr;
 
-use super::decimal::write_float;
 use super::{Layout, Message, Opcode, Position, Report, State};
+use crate::decimal::write_float;
 
 /// Bytes that the text of any message needs at most, the terminating zero among them.
 pub const TEXT_MAX: usize = 96;

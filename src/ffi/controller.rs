@@ -3,10 +3,10 @@
 use core::ffi::{c_int, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 
-use super::memory::zero;
+use super::memory::{bytes_of, int, zero};
 use super::payload::{layout_of, position_to, report_from};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_OVERFLOW, DP_RC_SUCCESS};
-use super::protocol::{Position, SendFunc, StatusReport, bytes_of, int};
+use super::protocol::{Position, SendFunc, StatusReport};
 use super::sized_alias;
 use crate::config::DP_DATA_MAX_SIZE;
 use crate::deltarobot::{Dispatcher, Judgement, Layout, Message, Order, PAYLOAD_MAX, Report, Ring};

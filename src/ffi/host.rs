@@ -3,13 +3,14 @@
 use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 
-use super::memory::zero;
+use super::memory::{bytes_of, int, zero};
 use super::payload::{position_from, report_to};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport, bytes_of, int};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
 use super::sized_alias;
+use crate::clock::time;
 use crate::config::DP_DATA_MAX_SIZE;
 use crate::deltarobot::{Busy, Event, FRAME_MAX, Health, Host, Link, Opcode, Outcome, PAYLOAD_MAX};
-use crate::deltarobot::{Layout, POSITION_SIZE, Request, Ring, Settings, State, clock_time as time, encode};
+use crate::deltarobot::{Layout, POSITION_SIZE, Request, Ring, Settings, State, encode};
 
 /// A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
 pub const DP_RC_BUSY: c_int = 5;

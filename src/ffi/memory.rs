@@ -1,4 +1,8 @@
-//! Memory of callers that is not initialised yet.
+//! Memory of callers, as pointers and sizes from C tell of it.
+
+use core::ffi::{c_int, c_void};
+use core::mem::MaybeUninit;
+use core::slice;
 
 /// Sets a value to zero without a call of memset, byte by byte.
 ///
@@ -9,5 +13,41 @@ pub(super) unsafe fn zero<T>(out: *mut T) {
     for place in 0..size_of::<T>() {
         // SAFETY: as the contract of this function asks.
         unsafe { out.cast::<u8>().add(place).write(0) };
+    }
+}
+
+/// The bytes that a pointer and a size from C stand for, or `None` where they stand for nothing.
+///
+/// # Safety
+///
+/// buf is NULL or points to that many readable bytes, which nobody writes while the slice lives.
+#[inline(always)]
+pub(super) unsafe fn bytes_of<'a>(buf: *const c_void, bytes: c_int) -> Option<&'a [u8]> {
+    match usize::try_from(bytes) {
+        Ok(0) => Some(&[]),
+        // SAFETY: not NULL, so as the contract of this function asks.
+        Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts(buf.cast(), length) }),
+        _ => None,
+    }
+}
+
+/// A number of bytes that an int holds: a ring's, a frame's, or a part of what C gave as an int.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "see above")]
+pub(super) const fn int(bytes: usize) -> c_int {
+    bytes as c_int
+}
+
+/// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
+///
+/// # Safety
+///
+/// buf is NULL or points to that many writable bytes, which nobody else touches while the slice lives.
+pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut [MaybeUninit<u8>]> {
+    match usize::try_from(cap) {
+        Ok(0) => Some(&mut []),
+        // SAFETY: not NULL, so as the contract of this function asks.
+        Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts_mut(buf.cast(), length) }),
+        _ => None,
     }
 }

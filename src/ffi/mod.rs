@@ -25,22 +25,32 @@ pub mod protocol_ext;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
 
-/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`.
+/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`; `olp:` or `gx:` in front of it says
+/// that they are those of another family.
 ///
 /// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes one
 /// of two equal functions, so that they are two symbols at one address. Without it, the second export calls the first.
 macro_rules! sized_alias {
-    ($name:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
-        $crate::ffi::sized_alias!($name = $name($($arg: $type),*) -> $result);
+    (olp: $($signature:tt)*) => {
+        $crate::ffi::sized_alias!("OLP_SIZES", $($signature)*);
     };
-    ($name:ident = $function:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
+    (gx: $($signature:tt)*) => {
+        $crate::ffi::sized_alias!("GX_SIZES", $($signature)*);
+    };
+    ($sizes:literal, $name:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
+        $crate::ffi::sized_alias!($sizes, $name = $name($($arg: $type),*) -> $result);
+    };
+    ($sizes:literal, $name:ident = $function:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
         const _: () = {
-            #[unsafe(export_name = concat!(stringify!($name), "_", env!("DP_SIZES")))]
+            #[unsafe(export_name = concat!(stringify!($name), "_", env!($sizes)))]
             unsafe extern "C" fn sized($($arg: $type),*) -> $result {
                 // SAFETY: the caller keeps to the contract of the plain export, which does the same.
                 unsafe { $function($($arg),*) }
             }
         };
+    };
+    ($($signature:tt)*) => {
+        $crate::ffi::sized_alias!("DP_SIZES", $($signature)*);
     };
 }
 use sized_alias;

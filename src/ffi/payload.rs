@@ -3,7 +3,8 @@
 use core::ffi::{c_char, c_int, c_uchar};
 use core::mem::align_of;
 
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport, bytes_of, int};
+use super::memory::{bytes_of, int};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
 use super::sized_alias;
 use crate::config::DP_DATA_MAX_SIZE;
 use crate::deltarobot as core_;

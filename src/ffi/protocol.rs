@@ -2,8 +2,10 @@
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+
 use core::slice;
 
+use super::memory::{bytes_of, int};
 use super::sized_alias;
 use crate::config::{DP_DATA_MAX_SIZE, FAST};
 use crate::deltarobot::{FRAME_MAX, Frame, NoFrame, Opcode, Ring, encode};
@@ -336,26 +338,4 @@ unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c
         Some(length) => unsafe { sendfunc(frame.as_mut_ptr().cast(), int(length), usr) },
         None => DP_RC_ERROR_GENERIC,
     }
-}
-
-/// The bytes that a pointer and a size from C stand for, or `None` where they stand for nothing.
-///
-/// # Safety
-///
-/// buf is NULL or points to that many readable bytes, which nobody writes while the slice lives.
-#[inline(always)]
-pub(super) unsafe fn bytes_of<'a>(buf: *const c_void, bytes: c_int) -> Option<&'a [u8]> {
-    match usize::try_from(bytes) {
-        Ok(0) => Some(&[]),
-        // SAFETY: not NULL, so as the contract of this function asks.
-        Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts(buf.cast(), length) }),
-        _ => None,
-    }
-}
-
-/// A number of bytes that an int holds: a ring's, a frame's, or a part of what C gave as an int.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "see above")]
-pub(super) const fn int(bytes: usize) -> c_int {
-    bytes as c_int
 }

@@ -3,7 +3,8 @@
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, bytes_of, int, recv, recv_any};
+use super::memory::{bytes_of, int};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, recv, recv_any};
 use super::sized_alias;
 use crate::deltarobot::Ring;
 

@@ -1,10 +1,9 @@
 //! `serial.h`: the serial port.
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
-use core::mem::MaybeUninit;
 
-use super::memory::zero;
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, bytes_of, int};
+use super::memory::{bytes_of, int, room_of, zero};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
 use crate::serial::{Failed, Port};
 
 /// The system has reported an error: `dp_serial_error` says which.
@@ -174,18 +173,4 @@ fn code(result: Result<(), Failed>) -> c_int {
 
 fn count(result: Result<usize, Failed>) -> c_int {
     result.map_or(DP_RC_DEVICE.wrapping_neg(), int)
-}
-
-/// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
-///
-/// # Safety
-///
-/// buf is NULL or points to that many writable bytes, which nobody else touches while the slice lives.
-unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut [MaybeUninit<u8>]> {
-    match usize::try_from(cap) {
-        Ok(0) => Some(&mut []),
-        // SAFETY: not NULL, so as the contract of this function asks.
-        Ok(length) if !buf.is_null() => Some(unsafe { core::slice::from_raw_parts_mut(buf.cast(), length) }),
-        _ => None,
-    }
 }

@@ -3,8 +3,8 @@
 use core::ffi::{c_uchar, c_ulong};
 use core::mem::MaybeUninit;
 
-use super::clock::{left, stamp};
 use super::health::{Health, count};
+use crate::clock::{left, stamp};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 use crate::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Message, Opcode, PAYLOAD_MAX, Ring};
 

@@ -2,8 +2,8 @@
 
 use core::ffi::{c_uchar, c_ulong};
 
-use super::clock::{left, stamp, time};
 use super::health::Health;
+use crate::clock::{left, stamp, time};
 
 /// One request at a time of each kind. Its fields are private.
 #[derive(Clone, Debug)]

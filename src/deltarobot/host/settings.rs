@@ -2,6 +2,8 @@
 
 use core::ffi::{c_int, c_ulong};
 
+use crate::clock::span;
+
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
@@ -57,31 +59,31 @@ impl Settings {
     }
 
     pub(super) fn ack(&self) -> u32 {
-        or(self.ack_ms, 250)
+        span(self.ack_ms, 250)
     }
 
     pub(super) fn guard(&self) -> u32 {
-        or(self.guard_ms, 500)
+        span(self.guard_ms, 500)
     }
 
     pub(super) fn settle(&self) -> u32 {
-        or(self.settle_ms, 500).max(self.guard())
+        span(self.settle_ms, 500).max(self.guard())
     }
 
     pub(super) fn poll(&self) -> u32 {
-        or(self.poll_ms, 200)
+        span(self.poll_ms, 200)
     }
 
     pub(super) fn silence(&self) -> u32 {
-        or(self.silence_ms, 3000)
+        span(self.silence_ms, 3000)
     }
 
     pub(super) fn operation(&self) -> u32 {
-        or(self.operation_ms, 120_000)
+        span(self.operation_ms, 120_000)
     }
 
     pub(super) fn gap(&self) -> u32 {
-        or(self.gap_ms, 50)
+        span(self.gap_ms, 50)
     }
 
     /// The bits of the float.
@@ -101,17 +103,6 @@ impl Settings {
         }
     }
 }
-
-/// A time, at most half of what wraps, so that it can be told when it is over.
-fn or(time: c_ulong, default: u32) -> u32 {
-    match u32::try_from(time) {
-        Ok(0) => default,
-        Ok(time) => time.min(LONGEST),
-        Err(_) => LONGEST,
-    }
-}
-
-const LONGEST: u32 = 0x7FFF_FFFF;
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 use core::ffi::c_ulong;
 
 /// A time as the structs keep it.
-pub(super) fn stamp(now: u32) -> c_ulong {
+pub(crate) fn stamp(now: u32) -> c_ulong {
     c_ulong::from(now)
 }
 
@@ -14,9 +14,21 @@ pub(crate) const fn time(stamp: c_ulong) -> u32 {
 }
 
 /// How much of `span` is left at `now` when it began at `since`; 0 when it is over.
-pub(super) const fn left(now: u32, since: c_ulong, span: u32) -> u32 {
+pub(crate) const fn left(now: u32, since: c_ulong, span: u32) -> u32 {
     span.saturating_sub(now.wrapping_sub(time(since)))
 }
+
+/// How long a setting says something lasts, 0 standing for the default. At most half of what wraps, so that it can be told
+/// when it is over.
+pub(crate) fn span(time: c_ulong, default: u32) -> u32 {
+    match u32::try_from(time) {
+        Ok(0) => default,
+        Ok(time) => time.min(LONGEST),
+        Err(_) => LONGEST,
+    }
+}
+
+const LONGEST: u32 = 0x7FFF_FFFF;
 
 #[cfg(test)]
 mod tests {

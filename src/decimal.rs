@@ -25,7 +25,7 @@ struct Rounded {
 }
 
 /// Writes the float of these bits.
-pub(super) fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
+pub(crate) fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
     if bits >> 31 == 1 {
         put(b'-');
     }

@@ -1,0 +1,2 @@
+//! The GX binary vector protocol.
+#![forbid(unsafe_code)]

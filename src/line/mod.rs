@@ -1,0 +1,2 @@
+//! The Ozeki line protocol.
+#![forbid(unsafe_code)]
