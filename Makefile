@@ -65,7 +65,7 @@ ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/libdeltarobot.so
 endif
 
-.PHONY: all lib header test check-artifact install uninstall cli install-cli uninstall-cli demo bench fuzz clean help FORCE
+.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo bench fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -128,6 +128,11 @@ header: ## renews include/, which holds the headers of the default sizes
 	    $(call renew,$$header,$(CURDIR)/include/$$header) || exit; \
 	done
 	@echo "header: include is up to date"
+
+doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen
+	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --features cli --target-dir target
+	$(Q)mkdir -p target/doc/c && doxygen docs/Doxyfile
+	@echo "doc: target/doc/deltarobot/index.html for Rust, target/doc/c/html/index.html for C"
 
 # The tests call `make` themselves: they shall not take this one's options for theirs.
 test: ## runs all tests; TESTFLAGS go to `cargo test`

@@ -110,7 +110,7 @@ fn sizes_block(sizes: &[Size], family: &str) -> Result<String, Box<dyn Error>> {
         )?;
     }
     for Size { name, value, meaning } in sizes() {
-        writeln!(text, "/* {meaning} */\n#ifndef {name}\n#define {name} {value}\n#endif")?;
+        writeln!(text, "/** {meaning} */\n#ifndef {name}\n#define {name} {value}\n#endif")?;
     }
     text += "
 /*
@@ -143,7 +143,7 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
     let mut config = cbindgen::Config::from_file(format!("{manifest}/src/ffi/{module}.toml"))?;
     config.language = cbindgen::Language::C;
     config.style = cbindgen::Style::Tag;
-    config.documentation_style = cbindgen::DocumentationStyle::C;
+    config.documentation_style = cbindgen::DocumentationStyle::Doxy;
     config.no_includes = true;
     config.line_length = 110;
     // cbindgen's own guard and its extern "C" are no C89.

@@ -174,9 +174,18 @@ impl Library {
         self.dir.join("include")
     }
 
+    /// The static library; one that counts what is run, when coverage is measured.
     pub(crate) fn archive(&self) -> PathBuf {
-        self.dir.join("libdeltarobot.a")
+        match coverage() {
+            Some(dir) => dir.join("libdeltarobot.a"),
+            None => self.dir.join("libdeltarobot.a"),
+        }
     }
+}
+
+/// Where `coverage.sh` has put a library of the default sizes, with all of Rust's standard library in it.
+fn coverage() -> Option<PathBuf> {
+    env::var_os("DP_COVERAGE").map(PathBuf::from)
 }
 
 /// What makes every warning an error.
@@ -230,6 +239,10 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         command.arg("-L").arg(&library.dir).arg("-ldeltarobot");
     } else {
         command.arg(library.archive());
+        if coverage().is_some() {
+            // The symbol brings in what writes the counters when the program ends.
+            command.args(["-Wl,-u,__llvm_profile_runtime", "-lgcc_s", "-lm"]);
+        }
     }
     let output = run(&mut command);
     assert!(output.status.success(), "{} does not compile:\n{command:?}\n{}", program.name, text(&output));

@@ -1,4 +1,5 @@
-/*
+/**
+ * @file
  * libdeltarobot/controller.h: the controller's end of the link, for firmware: takes requests, has them carried out,
  * answers them.
  *
@@ -23,92 +24,92 @@ extern "C" {
 #endif
 
 
-/*
- Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
- place, as in shipped firmware.
+/**
+ * Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
+ * place, as in shipped firmware.
  */
 #define DP_CONTROLLER_REFUSE_BUSY 1
 
-/*
- The end of homing and of a move is told by `h` and `m` (specification), besides the status report.
+/**
+ * The end of homing and of a move is told by `h` and `m` (specification), besides the status report.
  */
 #define DP_CONTROLLER_TELL_END 2
 
-/*
- An error during an operation is told by `e` (specification), besides the status report.
+/**
+ * An error during an operation is told by `e` (specification), besides the status report.
  */
 #define DP_CONTROLLER_TELL_ERROR 4
 
-/*
- A controller. Its fields are private; all zero is one that does nothing and answers like shipped firmware.
+/**
+ * A controller. Its fields are private; all zero is one that does nothing and answers like shipped firmware.
  */
 struct dp_dispatcher {
   struct protocol_data ring;
-  /*
-   Not 0: refuses an operation while another is going on.
+  /**
+   * Not 0: refuses an operation while another is going on.
    */
   int refuses_busy;
-  /*
-   Opcode of the operation going on; a cancel request's until the platform stands; 0 when there is none.
+  /**
+   * Opcode of the operation going on; a cancel request's until the platform stands; 0 when there is none.
    */
   unsigned char operation;
-  /*
-   The target of a move going on.
+  /**
+   * The target of a move going on.
    */
   unsigned char target[12];
 };
 
-/*
- Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
- `DP_STATUS_HOMING`.
+/**
+ * Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
+ * `DP_STATUS_HOMING`.
  */
 typedef int (*dp_controller_home_func_t)(void *usr);
 
-/*
- Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
- end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+/**
+ * Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
+ * end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
  */
 typedef int (*dp_controller_move_func_t)(const struct protocol_msg_position *target, void *usr);
 
-/*
- Begins to stop. Returns 0, or anything else to refuse.
+/**
+ * Begins to stop. Returns 0, or anything else to refuse.
  */
 typedef int (*dp_controller_cancel_func_t)(void *usr);
 
-/*
- Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
+/**
+ * Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
  */
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
-/*
- The firmware's own functions. Each is given usr, and may call the library on the same controller. What `home`, `move` or
- `cancel` would do is refused where they are NULL; `read` and `send` are needed.
+/**
+ * The firmware's own functions. Each is given usr, and may call the library on the same controller. What `home`, `move` or
+ * `cancel` would do is refused where they are NULL; `read` and `send` are needed.
  */
 struct dp_controller_calls {
-  /*
-   Begins to home.
+  /**
+   * Begins to home.
    */
   dp_controller_home_func_t home;
-  /*
-   Begins to move.
+  /**
+   * Begins to move.
    */
   dp_controller_move_func_t move;
-  /*
-   Begins to stop.
+  /**
+   * Begins to stop.
    */
   dp_controller_cancel_func_t cancel;
-  /*
-   Tells the status.
+  /**
+   * Tells the status.
    */
   dp_controller_read_func_t read;
-  /*
-   Sends bytes, whole frames. Its result is ignored: the protocol leaves lost frames to the host.
+  /**
+   * Sends bytes, whole frames. Its result is ignored: the protocol leaves lost frames to the host.
    */
   send_func_t send;
 };
 
-/*
- A controller. Its fields are private.
+/**
+ * A controller. Its fields are private.
  */
 struct dp_controller {
   struct dp_dispatcher dispatcher;
@@ -118,20 +119,20 @@ struct dp_controller {
   int flags;
 };
 
-/*
- Makes a controller of any memory.
-
- layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both, it
- answers like shipped firmware.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`, the layout is
- none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for `DP_LAYOUT_SPEC`).
-
- # Safety
-
- controller is NULL or points to writable memory of its size and alignment. calls is NULL or points to functions that
- can be called with usr; it stays there as long as the controller is used.
-
+/**
+ * Makes a controller of any memory.
+ *
+ * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both, it
+ * answers like shipped firmware.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`, the layout is
+ * none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for `DP_LAYOUT_SPEC`).
+ *
+ * # Safety
+ *
+ * controller is NULL or points to writable memory of its size and alignment. calls is NULL or points to functions that
+ * can be called with usr; it stays there as long as the controller is used.
+ *
  */
 int dp_controller_init(struct dp_controller *controller,
                        const struct dp_controller_calls *calls,
@@ -140,61 +141,61 @@ int dp_controller_init(struct dp_controller *controller,
                        int flags)
 DP_SIZED("dp_controller_init");
 
-/*
- Takes received bytes. Not for interrupts that may come during another call on the same controller.
-
- When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL, bytes is
- negative, or buf is NULL and bytes is not 0.
-
- # Safety
-
- controller is NULL or was made by `dp_controller_init`; buf is NULL or points to that many readable bytes.
-
+/**
+ * Takes received bytes. Not for interrupts that may come during another call on the same controller.
+ *
+ * When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL, bytes is
+ * negative, or buf is NULL and bytes is not 0.
+ *
+ * # Safety
+ *
+ * controller is NULL or was made by `dp_controller_init`; buf is NULL or points to that many readable bytes.
+ *
  */
 int dp_controller_receive(struct dp_controller *controller,
                           const void *buf,
                           int bytes)
 DP_SIZED("dp_controller_receive");
 
-/*
- Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
-
- Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
- NULL or was not made by `dp_controller_init`.
-
- # Safety
-
- controller is NULL, or was made by `dp_controller_init` or is all zero.
-
+/**
+ * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+ *
+ * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+ * NULL or was not made by `dp_controller_init`.
+ *
+ * # Safety
+ *
+ * controller is NULL, or was made by `dp_controller_init` or is all zero.
+ *
  */
 int dp_controller_poll(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll");
 
-/*
- Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would be waited for
- until enough bytes have come, are given up (see `dp_recv_idle`).
-
- Returns what `dp_controller_poll` does.
-
- # Safety
-
- As for `dp_controller_poll`.
-
+/**
+ * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would be waited for
+ * until enough bytes have come, are given up (see `dp_recv_idle`).
+ *
+ * Returns what `dp_controller_poll` does.
+ *
+ * # Safety
+ *
+ * As for `dp_controller_poll`.
+ *
  */
 int dp_controller_poll_idle(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll_idle");
 
-/*
- Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
-
- # Safety
-
- As for `dp_controller_poll`.
-
+/**
+ * Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ *
+ * # Safety
+ *
+ * As for `dp_controller_poll`.
+ *
  */
 int dp_controller_report(struct dp_controller *controller)
 DP_SIZED("dp_controller_report");

@@ -1,4 +1,5 @@
-/*
+/**
+ * @file
  * libdeltarobot/host.h: the host's end of the link: sends requests, repeats them, tells how they ended.
  *
  * Generated from src/ffi/host.rs: `make header` renews it.
@@ -46,291 +47,291 @@ extern "C" {
 #endif
 
 
-/*
- A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
+/**
+ * A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
  */
 #define DP_RC_BUSY 5
 
-/*
- Nothing has happened.
+/**
+ * Nothing has happened.
  */
 #define DP_RC_NO_EVENT 6
 
-/*
- Event: a message was received; `msg` holds it. Only where the settings ask for these events.
+/**
+ * Event: a message was received; `msg` holds it. Only where the settings ask for these events.
  */
 #define DP_HOST_MESSAGE 1
 
-/*
- Event: a status report was received; `report` holds it, `state` its state.
+/**
+ * Event: a status report was received; `report` holds it, `state` its state.
  */
 #define DP_HOST_STATUS 2
 
-/*
- Event: the platform is in another state than before: `state`; `report` is the status report that says so.
+/**
+ * Event: the platform is in another state than before: `state`; `report` is the status report that says so.
  */
 #define DP_HOST_STATE 3
 
-/*
- Event: a general error was received.
+/**
+ * Event: a general error was received.
  */
 #define DP_HOST_ERROR 4
 
-/*
- Event: the controller has accepted the operation `opcode`.
+/**
+ * Event: the controller has accepted the operation `opcode`.
  */
 #define DP_HOST_ACCEPTED 5
 
-/*
- Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
+/**
+ * Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
  */
 #define DP_HOST_ENDED 6
 
-/*
- Outcome: the request was carried out.
+/**
+ * Outcome: the request was carried out.
  */
 #define DP_HOST_FINISHED 1
 
-/*
- Outcome: the controller did not accept the request.
+/**
+ * Outcome: the controller did not accept the request.
  */
 #define DP_HOST_REFUSED 2
 
-/*
- Outcome: the controller accepted the operation, and could not carry it out.
+/**
+ * Outcome: the controller accepted the operation, and could not carry it out.
  */
 #define DP_HOST_FAILED 3
 
-/*
- Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
+/**
+ * Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
  */
 #define DP_HOST_CANCELLED 4
 
-/*
- Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
+/**
+ * Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
  */
 #define DP_HOST_TIMED_OUT 5
 
-/*
- Room that three requests take, more than which are never to be sent at a time.
+/**
+ * Room that three requests take, more than which are never to be sent at a time.
  */
 #define DP_HOST_OUTPUT_MAX 27
 
-/*
- Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+/**
+ * Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
  */
 struct dp_host_settings {
-  /*
-   How long an answer is waited for before the request is repeated; by default 250.
+  /**
+   * How long an answer is waited for before the request is repeated; by default 250.
    */
   unsigned long ack_ms;
-  /*
-   The longest time from sending a request to its answer's arrival, however late: what has not come by then is
-   lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
+  /**
+   * The longest time from sending a request to its answer's arrival, however late: what has not come by then is
+   * lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
    */
   unsigned long guard_ms;
-  /*
-   How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no other
-   state before it, does not end the operation. Not below guard; by default 500.
+  /**
+   * How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no other
+   * state before it, does not end the operation. Not below guard; by default 500.
    */
   unsigned long settle_ms;
-  /*
-   During an operation the status is requested when no report came for this long; by default 200.
+  /**
+   * During an operation the status is requested when no report came for this long; by default 200.
    */
   unsigned long poll_ms;
-  /*
-   An operation is given up when nothing at all was received for this long; by default 3000.
+  /**
+   * An operation is given up when nothing at all was received for this long; by default 3000.
    */
   unsigned long silence_ms;
-  /*
-   An operation is given up after this long in any case; by default 120000.
+  /**
+   * An operation is given up after this long in any case; by default 120000.
    */
   unsigned long operation_ms;
-  /*
-   An incomplete frame is given up when the line was quiet for this long; by default 50.
+  /**
+   * An incomplete frame is given up when the line was quiet for this long; by default 50.
    */
   unsigned long gap_ms;
-  /*
-   How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the displacement;
-   by default 0.25, twice what shipped firmware allows itself.
+  /**
+   * How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the displacement;
+   * by default 0.25, twice what shipped firmware allows itself.
    */
   float tolerance;
-  /*
-   How often a request is sent altogether before it has timed out; by default 4.
+  /**
+   * How often a request is sent altogether before it has timed out; by default 4.
    */
   int attempts;
-  /*
-   Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
+  /**
+   * Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
    */
   int layout;
-  /*
-   Not 0: each received message is an event.
+  /**
+   * Not 0: each received message is an event.
    */
   int messages;
-  /*
-   Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then waits until the
-   guard time of the last one is over, even when that ended well before.
+  /**
+   * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then waits until the
+   * guard time of the last one is over, even when that ended well before.
    */
   int doubles;
 };
 
-/*
- Counters of a host session since it began; they wrap.
+/**
+ * Counters of a host session since it began; they wrap.
  */
 struct dp_host_health {
-  /*
-   Intact frames received.
+  /**
+   * Intact frames received.
    */
   unsigned long frames;
-  /*
-   Of these, frames whose payload has the wrong length for the opcode. They are ignored.
+  /**
+   * Of these, frames whose payload has the wrong length for the opcode. They are ignored.
    */
   unsigned long malformed;
-  /*
-   Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
+  /**
+   * Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
    */
   unsigned long strays;
-  /*
-   Bytes received that belong to no intact frame.
+  /**
+   * Bytes received that belong to no intact frame.
    */
   unsigned long garbage_bytes;
-  /*
-   Frames that were whole but for their checksum. Their bytes are among the garbage.
+  /**
+   * Frames that were whole but for their checksum. Their bytes are among the garbage.
    */
   unsigned long checksum_failures;
-  /*
-   Calls of `dp_host_receive` that could not take all bytes: 0 where every event is fetched between two of them.
+  /**
+   * Calls of `dp_host_receive` that could not take all bytes: 0 where every event is fetched between two of them.
    */
   unsigned long overflows;
-  /*
-   Answers that did not come in time.
+  /**
+   * Answers that did not come in time.
    */
   unsigned long timeouts;
-  /*
-   Requests that were repeated because of that.
+  /**
+   * Requests that were repeated because of that.
    */
   unsigned long repeats;
-  /*
-   Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
+  /**
+   * Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
    */
   unsigned long rtt_count;
-  /*
-   The last round-trip time.
+  /**
+   * The last round-trip time.
    */
   unsigned long rtt_last;
-  /*
-   The shortest round-trip time.
+  /**
+   * The shortest round-trip time.
    */
   unsigned long rtt_min;
-  /*
-   The longest round-trip time.
+  /**
+   * The longest round-trip time.
    */
   unsigned long rtt_max;
-  /*
-   Sum of the round-trip times: divided by `rtt_count`, their average.
+  /**
+   * Sum of the round-trip times: divided by `rtt_count`, their average.
    */
   unsigned long rtt_sum;
 };
 
-/*
- The receiving side of a host session. Its fields are private.
+/**
+ * The receiving side of a host session. Its fields are private.
  */
 struct dp_host_link {
   struct protocol_data ring;
-  /*
-   When the last bytes came.
+  /**
+   * When the last bytes came.
    */
   unsigned long arrived_at;
-  /*
-   Looking for frames with a wrong checksum: how many bytes of a head or tail are there (0 to 4), how many of the
-   payload are missing, and the sum so far.
+  /**
+   * Looking for frames with a wrong checksum: how many bytes of a head or tail are there (0 to 4), how many of the
+   * payload are missing, and the sum so far.
    */
   unsigned char place;
   unsigned char missing;
   unsigned char sum;
 };
 
-/*
- One request at a time of each kind. Its fields are private.
+/**
+ * One request at a time of each kind. Its fields are private.
  */
 struct dp_host_request {
-  /*
-   When it was sent last.
+  /**
+   * When it was sent last.
    */
   unsigned long sent_at;
-  /*
-   When its predecessor, of which answers may still come, was sent last.
+  /**
+   * When its predecessor, of which answers may still come, was sent last.
    */
   unsigned long before_at;
-  /*
-   How far it is; 0 when there is none.
+  /**
+   * How far it is; 0 when there is none.
    */
   unsigned char stage;
-  /*
-   How often it was sent, as far as that counts.
+  /**
+   * How often it was sent, as far as that counts.
    */
   unsigned char sent;
-  /*
-   Not 0: it was sent at all.
+  /**
+   * Not 0: it was sent at all.
    */
   unsigned char used;
-  /*
-   Not 0: answers to the predecessor may still come.
+  /**
+   * Not 0: answers to the predecessor may still come.
    */
   unsigned char loose;
-  /*
-   Not 0: it was accepted by an ack.
+  /**
+   * Not 0: it was accepted by an ack.
    */
   unsigned char accepted;
 };
 
-/*
- A host session. Its fields are private; all zero is a new session with default settings.
+/**
+ * A host session. Its fields are private; all zero is a new session with default settings.
  */
 struct dp_host {
   struct dp_host_settings settings;
   struct dp_host_health health;
   struct dp_host_link link;
-  /*
-   The operation, cancel and status requests.
+  /**
+   * The operation, cancel and status requests.
    */
   struct dp_host_request operation;
   struct dp_host_request cancel;
   struct dp_host_request status;
-  /*
-   When the operation was sent first, when it was accepted, when anything was heard last, and when the status was
-   last reported or asked for.
+  /**
+   * When the operation was sent first, when it was accepted, when anything was heard last, and when the status was
+   * last reported or asked for.
    */
   unsigned long started_at;
   unsigned long accepted_at;
   unsigned long heard_at;
   unsigned long polled_at;
-  /*
-   What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
+  /**
+   * What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
    */
   int send;
   int tell;
-  /*
-   What is known of the operation: bits that operation.rs names.
+  /**
+   * What is known of the operation: bits that operation.rs names.
    */
   int known;
-  /*
-   The length of the message to be told.
+  /**
+   * The length of the message to be told.
    */
   int message_length;
-  /*
-   Opcode and target of the operation.
+  /**
+   * Opcode and target of the operation.
    */
   unsigned char opcode;
   unsigned char target[12];
-  /*
-   The last status report. `reported` is 0 before the first.
+  /**
+   * The last status report. `reported` is 0 before the first.
    */
   unsigned char reported;
   unsigned char stat;
   unsigned char position[12];
-  /*
-   Opcode of the message to be told, and outcomes of the requests to be told.
+  /**
+   * Opcode of the message to be told, and outcomes of the requests to be told.
    */
   unsigned char message_opcode;
   unsigned char operation_outcome;
@@ -338,118 +339,120 @@ struct dp_host {
   unsigned char status_outcome;
 };
 
-/*
- Something that happened.
+/**
+ * Something that happened.
  */
 struct dp_host_event {
-  /*
-   What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
+  /**
+   * What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
    */
   int kind;
-  /*
-   Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
+  /**
+   * Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
    */
   unsigned char opcode;
-  /*
-   Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
+  /**
+   * Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
    */
   int outcome;
-  /*
-   Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
+  /**
+   * Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
    */
   int state;
-  /*
-   Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
+  /**
+   * Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
    */
   struct protocol_msg_status_report report;
-  /*
-   Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
+  /**
+   * Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
    */
   struct protocol_msg msg;
 };
 
-/*
- Begins a session. Memory that is all zero is one too, with the default settings.
-
- settings are copied; NULL stands for the defaults.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
-
- # Safety
-
- host is NULL or points to writable memory of its size and alignment; settings is NULL or points to settings.
-
+/**
+ * Begins a session. Memory that is all zero is one too, with the default settings.
+ *
+ * settings are copied; NULL stands for the defaults.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * # Safety
+ *
+ * host is NULL or points to writable memory of its size and alignment; settings is NULL or points to settings.
+ *
  */
-int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED("dp_host_init");
+int dp_host_init(struct dp_host *host,
+                 const struct dp_host_settings *settings)
+DP_SIZED("dp_host_init");
 
-/*
- Requests homing. The end comes as an event.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
-
- # Safety
-
- host is NULL, or was begun by `dp_host_init` or is all zero.
-
+/**
+ * Requests homing. The end comes as an event.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * # Safety
+ *
+ * host is NULL, or was begun by `dp_host_init` or is all zero.
+ *
  */
 int dp_host_home(struct dp_host *host)
 DP_SIZED("dp_host_home");
 
-/*
- Requests a move to a position. The end comes as an event.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a coordinate
- is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
-
- # Safety
-
- As for `dp_host_home`; target is NULL or points to a position.
-
+/**
+ * Requests a move to a position. The end comes as an event.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a coordinate
+ * is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`; target is NULL or points to a position.
+ *
  */
 int dp_host_move(struct dp_host *host,
                  const struct protocol_msg_position *target)
 DP_SIZED("dp_host_move");
 
-/*
- Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it, the operation
- when the platform stands. Without an operation it is requested all the same.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
-
- # Safety
-
- As for `dp_host_home`.
-
+/**
+ * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it, the operation
+ * when the platform stands. Without an operation it is requested all the same.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`.
+ *
  */
 int dp_host_cancel(struct dp_host *host)
 DP_SIZED("dp_host_cancel");
 
-/*
- Requests a status report. It ends with the next report that is received.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
-
- # Safety
-
- As for `dp_host_home`.
-
+/**
+ * Requests a status report. It ends with the next report that is received.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`.
+ *
  */
 int dp_host_status(struct dp_host *host)
 DP_SIZED("dp_host_status");
 
-/*
- Takes received bytes; `now_ms` is when they came.
-
- Times are milliseconds of any clock that does not go back. Their lowest 32 bits count, and may wrap.
-
- Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
- `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes
- is not 0.
-
- # Safety
-
- As for `dp_host_home`; buf is NULL or points to that many readable bytes, none of them in the session.
-
+/**
+ * Takes received bytes; `now_ms` is when they came.
+ *
+ * Times are milliseconds of any clock that does not go back. Their lowest 32 bits count, and may wrap.
+ *
+ * Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
+ * `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes
+ * is not 0.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`; buf is NULL or points to that many readable bytes, none of them in the session.
+ *
  */
 int dp_host_receive(struct dp_host *host,
                     const void *buf,
@@ -457,34 +460,34 @@ int dp_host_receive(struct dp_host *host,
                     unsigned long now_ms)
 DP_SIZED("dp_host_receive");
 
-/*
- Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until there is none; what is to
- be sent after that tells `dp_host_output`.
-
- Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or `DP_RC_ERROR_GENERIC` when a
- pointer is NULL.
-
- # Safety
-
- As for `dp_host_home`; event is NULL or points to writable memory of its size and alignment, outside the session.
-
+/**
+ * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until there is none; what is to
+ * be sent after that tells `dp_host_output`.
+ *
+ * Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or `DP_RC_ERROR_GENERIC` when a
+ * pointer is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`; event is NULL or points to writable memory of its size and alignment, outside the session.
+ *
  */
 int dp_host_poll(struct dp_host *host,
                  unsigned long now_ms,
                  struct dp_host_event *event)
 DP_SIZED("dp_host_poll");
 
-/*
- Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave. To be called
- after `dp_host_poll`.
-
- Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
- -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
-
- # Safety
-
- As for `dp_host_home`; buf is NULL or points to that many writable bytes outside the session.
-
+/**
+ * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave. To be called
+ * after `dp_host_poll`.
+ *
+ * Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
+ * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`; buf is NULL or points to that many writable bytes outside the session.
+ *
  */
 int dp_host_output(struct dp_host *host,
                    void *buf,
@@ -492,38 +495,38 @@ int dp_host_output(struct dp_host *host,
                    unsigned long now_ms)
 DP_SIZED("dp_host_output");
 
-/*
- How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and the output was
- fetched: what it returns is then what poll(2) takes as time-out.
-
- Returns milliseconds, or -1 when it need not be called at all or host is NULL.
-
- # Safety
-
- As for `dp_host_home`.
-
+/**
+ * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and the output was
+ * fetched: what it returns is then what poll(2) takes as time-out.
+ *
+ * Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`.
+ *
  */
 long dp_host_next_deadline(const struct dp_host *host,
                            unsigned long now_ms)
 DP_SIZED("dp_host_next_deadline");
 
-/*
- Whether an operation is going on: 1, or 0, also when host is NULL.
-
- # Safety
-
- As for `dp_host_home`.
-
+/**
+ * Whether an operation is going on: 1, or 0, also when host is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`.
+ *
  */
 int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
 
-/*
- How the link does: NULL when host is, else counters that live and change with the session.
-
- # Safety
-
- As for `dp_host_home`.
-
+/**
+ * How the link does: NULL when host is, else counters that live and change with the session.
+ *
+ * # Safety
+ *
+ * As for `dp_host_home`.
+ *
  */
 const struct dp_host_health *dp_host_get_health(const struct dp_host *host) DP_SIZED("dp_host_get_health");
 

@@ -1,4 +1,5 @@
-/*
+/**
+ * @file
  * libdeltarobot/payload.h: building, reading and printing the messages of the specification.
  *
  * Generated from src/ffi/payload.rs: `make header` renews it.
@@ -27,179 +28,179 @@ extern "C" {
 #endif
 
 
-/*
- Reading a status report: one of more than 13 bytes has the floats first. One of 13 bytes has STAT first, unless the
- last byte can be STAT and the first can't, because its reserved bits (5 to 7) are neither all 0 nor all 1. Writing
- one: as `DP_LAYOUT_FIRMWARE`.
+/**
+ * Reading a status report: one of more than 13 bytes has the floats first. One of 13 bytes has STAT first, unless the
+ * last byte can be STAT and the first can't, because its reserved bits (5 to 7) are neither all 0 nor all 1. Writing
+ * one: as `DP_LAYOUT_FIRMWARE`.
  */
 #define DP_LAYOUT_AUTO 0
 
-/*
- Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
+/**
+ * Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
  */
 #define DP_LAYOUT_SPEC 1
 
-/*
- Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length from
- 13 on is read.
+/**
+ * Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length from
+ * 13 on is read.
  */
 #define DP_LAYOUT_FIRMWARE 2
 
-/*
- Size of a buffer that the text of any message fits in.
+/**
+ * Size of a buffer that the text of any message fits in.
  */
 #define DP_MSG_TEXT_MAX 96
 
-/*
- Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or `GENERAL_ERR`.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload.
-
- # Safety
-
- msg is NULL or points to a writable message, which may be uninitialised.
-
+/**
+ * Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or `GENERAL_ERR`.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload.
+ *
+ * # Safety
+ *
+ * msg is NULL or points to a writable message, which may be uninitialised.
+ *
  */
 int dp_build(struct protocol_msg *msg,
              unsigned char opcode)
 DP_SIZED("dp_build");
 
-/*
- Makes an acknowledgement of the request with the opcode answered.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
-
- # Safety
-
- As for `dp_build`.
-
+/**
+ * Makes an acknowledgement of the request with the opcode answered.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_build`.
+ *
  */
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
-/*
- Makes a refusal of the request with the opcode answered.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
-
- # Safety
-
- As for `dp_build`.
-
+/**
+ * Makes a refusal of the request with the opcode answered.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_build`.
+ *
  */
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
-/*
- Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12.
-
- # Safety
-
- As for `dp_build`; target is NULL or points to a position.
-
+/**
+ * Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12.
+ *
+ * # Safety
+ *
+ * As for `dp_build`; target is NULL or points to a position.
+ *
  */
 int dp_build_move(struct protocol_msg *msg,
                   const struct protocol_msg_position *target)
 DP_SIZED("dp_build_move");
 
-/*
- Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become zero.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or `DP_DATA_MAX_SIZE`
- is below the 16 or 13 bytes that it takes.
-
- # Safety
-
- As for `dp_build`; report is NULL or points to a status report.
-
+/**
+ * Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become zero.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or `DP_DATA_MAX_SIZE`
+ * is below the 16 or 13 bytes that it takes.
+ *
+ * # Safety
+ *
+ * As for `dp_build`; report is NULL or points to a status report.
+ *
  */
 int dp_build_status_report(struct protocol_msg *msg,
                            const struct protocol_msg_status_report *report,
                            int layout)
 DP_SIZED("dp_build_status_report");
 
-/*
- Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
-
- # Safety
-
- msg is NULL or points to a message.
-
+/**
+ * Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
+ *
+ * # Safety
+ *
+ * msg is NULL or points to a message.
+ *
  */
 int dp_msg_check(const struct protocol_msg *msg)
 DP_SIZED("dp_msg_check");
 
-/*
- Reads from an ack or a nack which opcode it answers.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long, or a pointer is
- NULL.
-
- # Safety
-
- As for `dp_msg_check`; answered is NULL or points to a writable byte.
-
+/**
+ * Reads from an ack or a nack which opcode it answers.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long, or a pointer is
+ * NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_msg_check`; answered is NULL or points to a writable byte.
+ *
  */
 int dp_read_answer(const struct protocol_msg *msg,
                    unsigned char *answered)
 DP_SIZED("dp_read_answer");
 
-/*
- Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a
- pointer is NULL.
-
- # Safety
-
- As for `dp_msg_check`; target is NULL or points to a writable position.
-
+/**
+ * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a
+ * pointer is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_msg_check`; target is NULL or points to a writable position.
+ *
  */
 int dp_read_move(const struct protocol_msg *msg,
                  struct protocol_msg_position *target)
 DP_SIZED("dp_read_move");
 
-/*
- Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
- signalling one from shipped firmware. Reserved bits of STAT are cleared.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a length that the
- layout does not have, the layout is none of these, or a pointer is NULL.
-
- # Safety
-
- As for `dp_msg_check`; report is NULL or points to a writable status report.
-
+/**
+ * Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
+ * signalling one from shipped firmware. Reserved bits of STAT are cleared.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a length that the
+ * layout does not have, the layout is none of these, or a pointer is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_msg_check`; report is NULL or points to a writable status report.
+ *
  */
 int dp_read_status_report(const struct protocol_msg *msg,
                           int layout,
                           struct protocol_msg_status_report *report)
 DP_SIZED("dp_read_status_report");
 
-/*
- The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`,
- `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`.
-
- Returns a string that lives as long as the program.
+/**
+ * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`,
+ * `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`.
+ *
+ * Returns a string that lives as long as the program.
  */
 const char *dp_opcode_name(unsigned char opcode);
 
-/*
- Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
-
- snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
- nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
- them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
-
- Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is negative, or buf
- is NULL and cap is not 0.
-
- # Safety
-
- As for `dp_msg_check`; buf is NULL or points to that many writable bytes, none of them in the message.
-
+/**
+ * Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
+ *
+ * snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
+ * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
+ * them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
+ *
+ * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is negative, or buf
+ * is NULL and cap is not 0.
+ *
+ * # Safety
+ *
+ * As for `dp_msg_check`; buf is NULL or points to that many writable bytes, none of them in the message.
+ *
  */
 int dp_msg_format(const struct protocol_msg *msg,
                   char *buf,

@@ -1,4 +1,5 @@
-/*
+/**
+ * @file
  * libdeltarobot/protocol_ext.h: what the original's API lacks.
  *
  * Generated from src/ffi/protocol_ext.rs: `make header` renews it.
@@ -9,10 +10,13 @@
 
 #include "libdeltarobot/protocol.h"
 
-/* The version that this header belongs to; dp_version() tells the library's. */
+/** Major version of the library that this header belongs to; dp_version() tells that of the one that is linked. */
 #define DP_VERSION_MAJOR 1
+/** Its minor version. */
 #define DP_VERSION_MINOR 0
+/** Its patch level. */
 #define DP_VERSION_PATCH 0
+/** All of them, as dp_version() spells them. */
 #define DP_VERSION_STRING "1.0.0"
 
 #ifdef DP_SIZED_BY_MACRO
@@ -26,28 +30,28 @@ extern "C" {
 #endif
 
 
-/*
- Receives a message from `dp_process_each`; `usr` is what that was given. Any result but 0 stops it.
- The message is gone when the function returns.
+/**
+ * Receives a message from `dp_process_each`; `usr` is what that was given. Any result but 0 stops it.
+ * The message is gone when the function returns.
  */
 typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
 
-/*
- Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
-
- Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
- are in the ring already come first. `on_msg` may call the library on the same ring.
-
- Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the rest
- to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is NULL, bytes
- is negative, or buf is NULL and bytes is not 0.
-
- # Safety
-
- data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is NULL or points to
- that many readable bytes, none of them in the ring, which stay as they are until the call returns. `on_msg` can be
- called with usr.
-
+/**
+ * Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
+ *
+ * Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
+ * are in the ring already come first. `on_msg` may call the library on the same ring.
+ *
+ * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the rest
+ * to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is NULL, bytes
+ * is negative, or buf is NULL and bytes is not 0.
+ *
+ * # Safety
+ *
+ * data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is NULL or points to
+ * that many readable bytes, none of them in the ring, which stay as they are until the call returns. `on_msg` can be
+ * called with usr.
+ *
  */
 int dp_process_each(struct protocol_data *data,
                     const void *buf,
@@ -56,42 +60,43 @@ int dp_process_each(struct protocol_data *data,
                     void *usr)
 DP_SIZED("dp_process_each");
 
-/*
- Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
- 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
-
- What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
- `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
-
- Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
- `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode` is set
- to 0xFF and the rest of msg is left as it was.
-
- # Safety
-
- As for `dp_recv`.
-
+/**
+ * Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
+ * 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
+ *
+ * What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
+ * `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
+ *
+ * Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
+ * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode` is set
+ * to 0xFF and the rest of msg is left as it was.
+ *
+ * # Safety
+ *
+ * As for `dp_recv`.
+ *
  */
 int dp_recv_idle(struct protocol_data *data,
                  struct protocol_msg *msg)
 DP_SIZED("dp_recv_idle");
 
-/*
- Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
-
- Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
-
- # Safety
-
- data is NULL or points to writable memory of a ring's size and alignment.
-
+/**
+ * Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
+ *
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
+ *
+ * # Safety
+ *
+ * data is NULL or points to writable memory of a ring's size and alignment.
+ *
  */
-int dp_init(struct protocol_data *data) DP_SIZED("dp_init");
+int dp_init(struct protocol_data *data)
+DP_SIZED("dp_init");
 
-/*
- The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
-
- Returns a string that lives as long as the program.
+/**
+ * The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
+ *
+ * Returns a string that lives as long as the program.
  */
 const char *dp_version(void);
 

@@ -1,4 +1,5 @@
-/*
+/**
+ * @file
  * libdeltarobot/serial.h: the serial port, on Unix. Not in libraries for bare metal.
  *
  * Generated from src/ffi/serial.rs: `make header` renews it.
@@ -25,151 +26,151 @@ extern "C" {
 #endif
 
 
-/*
- The system has reported an error: `dp_serial_error` says which.
+/**
+ * The system has reported an error: `dp_serial_error` says which.
  */
 #define DP_RC_DEVICE 7
 
-/*
- How long `dp_serial_send` waits for room, in milliseconds.
+/**
+ * How long `dp_serial_send` waits for room, in milliseconds.
  */
 #define DP_SERIAL_SEND_MS 1000
 
-/*
- The speed of the deltarobot link in baud (specification, section "Serial").
+/**
+ * The speed of the deltarobot link in baud (specification, section "Serial").
  */
 #define DP_SERIAL_BAUD 115200
 
-/*
- Bytes of a text about an error, the terminating zero among them.
+/**
+ * Bytes of a text about an error, the terminating zero among them.
  */
 #define DP_SERIAL_TEXT_MAX 320
 
-/*
- A serial port. All zero is one that is closed.
-
- Its fields are private, but `fd`, while it is open, can be given to poll(2) or select(2). It is set to `O_NONBLOCK`.
+/**
+ * A serial port. All zero is one that is closed.
+ *
+ * Its fields are private, but `fd`, while it is open, can be given to poll(2) or select(2). It is set to `O_NONBLOCK`.
  */
 struct dp_serial {
-  /*
-   The file descriptor.
+  /**
+   * The file descriptor.
    */
   int fd;
   int is_open;
   int has_failed;
-  /*
-   The device's name, and behind it what went wrong last.
+  /**
+   * The device's name, and behind it what went wrong last.
    */
   int name_length;
   char text[DP_SERIAL_TEXT_MAX];
 };
 
-/*
- Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
-
- baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long as it is
- open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal, otherwise.
- What was received before is thrown away.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device is NULL.
- When it did not succeed, the port is closed: it need not be, but can be, closed.
-
- # Safety
-
- serial is NULL or points to writable memory of its size and alignment, which may be uninitialised. A port that is open
- must be closed first: else its file descriptor is lost. device is NULL or a string.
+/**
+ * Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
+ *
+ * baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long as it is
+ * open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal, otherwise.
+ * What was received before is thrown away.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device is NULL.
+ * When it did not succeed, the port is closed: it need not be, but can be, closed.
+ *
+ * # Safety
+ *
+ * serial is NULL or points to writable memory of its size and alignment, which may be uninitialised. A port that is open
+ * must be closed first: else its file descriptor is lost. device is NULL or a string.
  */
 int dp_serial_open(struct dp_serial *serial,
                    const char *device,
                    unsigned long baud);
 
-/*
- Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
- negative), or until a signal was handled.
-
- Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it received before
- that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf is NULL and cap is not 0.
-
- # Safety
-
- serial is NULL, was opened, or is all zero; buf is NULL or points to that many writable bytes outside of it.
+/**
+ * Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
+ * negative), or until a signal was handled.
+ *
+ * Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it received before
+ * that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf is NULL and cap is not 0.
+ *
+ * # Safety
+ *
+ * serial is NULL, was opened, or is all zero; buf is NULL or points to that many writable bytes outside of it.
  */
 int dp_serial_read(struct dp_serial *serial,
                    void *buf,
                    int cap,
                    long timeout_ms);
 
-/*
- Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't end it.
-
- Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device has
- disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
-
- # Safety
-
- serial is NULL, was opened, or is all zero; buf is NULL or points to that many readable bytes outside of it.
+/**
+ * Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't end it.
+ *
+ * Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device has
+ * disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * # Safety
+ *
+ * serial is NULL, was opened, or is all zero; buf is NULL or points to that many readable bytes outside of it.
  */
 int dp_serial_write(struct dp_serial *serial,
                     const void *buf,
                     int bytes,
                     long timeout_ms);
 
-/*
- Writes all bytes within `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port: `dp_send(&msg, dp_serial_send, &port)`.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
- `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
-
- # Safety
-
- As for `dp_serial_write`, usr being the port.
+/**
+ * Writes all bytes within `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port: `dp_send(&msg, dp_serial_send, &port)`.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
+ * `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * # Safety
+ *
+ * As for `dp_serial_write`, usr being the port.
  */
 int dp_serial_send(void *buf,
                    int bytes,
                    void *usr);
 
-/*
- Waits until all that was written was sent.
-
- Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or not open.
-
- # Safety
-
- serial is NULL, was opened, or is all zero.
+/**
+ * Waits until all that was written was sent.
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or not open.
+ *
+ * # Safety
+ *
+ * serial is NULL, was opened, or is all zero.
  */
 int dp_serial_drain(struct dp_serial *serial);
 
-/*
- Throws away what was received and not read.
-
- Returns what `dp_serial_drain` does.
-
- # Safety
-
- As for `dp_serial_drain`.
+/**
+ * Throws away what was received and not read.
+ *
+ * Returns what `dp_serial_drain` does.
+ *
+ * # Safety
+ *
+ * As for `dp_serial_drain`.
  */
 int dp_serial_discard(struct dp_serial *serial);
 
-/*
- Closes it. What was written is still sent.
-
- Returns `DP_RC_SUCCESS`, also when it was not open, or `DP_RC_ERROR_GENERIC` when serial is NULL.
-
- # Safety
-
- As for `dp_serial_drain`.
+/**
+ * Closes it. What was written is still sent.
+ *
+ * Returns `DP_RC_SUCCESS`, also when it was not open, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_serial_drain`.
  */
 int dp_serial_close(struct dp_serial *serial);
 
-/*
- The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
-
- Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial is
- NULL.
-
- # Safety
-
- As for `dp_serial_drain`.
+/**
+ * The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
+ *
+ * Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial is
+ * NULL.
+ *
+ * # Safety
+ *
+ * As for `dp_serial_drain`.
  */
 const char *dp_serial_error(const struct dp_serial *serial);
 
