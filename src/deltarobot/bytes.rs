@@ -4,19 +4,27 @@
 
 use crate::config::FAST;
 
-/// Bytes taken at a time.
+/// Bytes taken at a time where there are so many, and where there are fewer.
+const BLOCK: usize = 16;
 const WORD: usize = 8;
+const HALF: usize = 4;
 
 /// Adds the bytes to a sum modulo 256.
 #[inline(always)]
 pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
-    if FAST && bytes.len() >= WORD {
-        let (words, rest) = bytes.as_chunks::<WORD>();
-        for word in words {
-            // Of a fixed number of bytes: processors have instructions for that.
-            sum = sum.wrapping_add(word.iter().fold(0, |sum, byte| sum.wrapping_add(*byte)));
+    if FAST {
+        while bytes.len() > 2 * BLOCK
+            && let Some((blocks, rest)) = bytes.split_first_chunk::<{ 2 * BLOCK }>()
+        {
+            sum = blocks.iter().fold(sum, |sum, byte| sum.wrapping_add(*byte));
+            bytes = rest;
         }
-        bytes = rest;
+        if bytes.len() > BLOCK {
+            return sum.wrapping_add(add_up_ends::<BLOCK>(bytes));
+        }
+        if bytes.len() >= WORD {
+            return sum.wrapping_add(add_up_ends::<WORD>(bytes));
+        }
     }
     for byte in bytes {
         sum = sum.wrapping_add(*byte);
@@ -24,24 +32,48 @@ pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     sum
 }
 
+/// Sums N to twice N bytes: those at the beginning, and of those at the end the ones that are left. Processors do that
+/// without a loop.
+#[inline(always)]
+fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
+    const MASKS: [[u8; BLOCK]; 2] = [[0; BLOCK], [0xFF; BLOCK]];
+    let masks = MASKS.as_flattened().get(bytes.len().wrapping_add(BLOCK).wrapping_sub(N.wrapping_mul(2))..);
+    let (Some(first), Some(last), Some(masks)) =
+        (bytes.first_chunk::<N>(), bytes.last_chunk::<N>(), masks.and_then(<[u8]>::first_chunk::<N>))
+    else {
+        return 0;
+    };
+    let last = last.iter().zip(masks).map(|(byte, mask)| byte & mask);
+    first.iter().zip(last).fold(0, |sum, (first, last)| sum.wrapping_add(*first).wrapping_add(last))
+}
+
 /// Copies as many items as both have. `item` makes a byte what `to` consists of.
 #[inline(always)]
 pub(super) fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
     let length = from.len().min(to.len());
     let (Some(from), Some(to)) = (from.get(..length), to.get_mut(..length)) else { return };
-    if FAST {
-        let (words, _) = from.as_chunks::<WORD>();
-        let (places, _) = to.as_chunks_mut::<WORD>();
-        for (place, word) in places.iter_mut().zip(words) {
-            *place = word.map(item);
-        }
-        if let (Some(word), Some(place)) = (from.last_chunk::<WORD>(), to.last_chunk_mut::<WORD>()) {
-            *place = word.map(item);
-            return;
-        }
+    if FAST && length >= BLOCK {
+        return copy_by::<BLOCK, T>(from, to, item);
+    }
+    if FAST && length >= WORD {
+        return copy_by::<WORD, T>(from, to, item);
+    }
+    if FAST && length >= HALF {
+        return copy_by::<HALF, T>(from, to, item);
     }
     for (place, byte) in to.iter_mut().zip(from) {
         *place = item(*byte);
+    }
+}
+
+/// Copies at least N bytes, N at a time, some of the last ones twice.
+#[inline(always)]
+fn copy_by<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+    for (place, block) in to.as_chunks_mut::<N>().0.iter_mut().zip(from.as_chunks::<N>().0) {
+        *place = block.map(item);
+    }
+    if let (Some(place), Some(last)) = (to.last_chunk_mut::<N>(), from.last_chunk::<N>()) {
+        *place = last.map(item);
     }
 }
 

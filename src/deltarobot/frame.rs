@@ -4,7 +4,7 @@
 
 use core::mem::MaybeUninit;
 
-use super::{Opcode, bytes};
+use super::{Opcode, bytes, shortcut};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// The first byte of every frame.
@@ -61,8 +61,13 @@ impl Payload<'_> {
     /// Copies as many bytes as fit, and leaves the rest of `out` as it is.
     #[inline(always)]
     pub fn copy_to(&self, out: &mut [MaybeUninit<u8>]) {
-        if FAST && let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
-            return bytes::copy(payload, out, MaybeUninit::new);
+        if FAST {
+            if let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
+                return bytes::copy(payload, out, MaybeUninit::new);
+            }
+            let (first, rest) = shortcut::pieces(self.ring, self.begin, self.length);
+            bytes::copy(first, out, MaybeUninit::new);
+            return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), MaybeUninit::new);
         }
         for (place, byte) in out.iter_mut().zip(self.iter()) {
             place.write(byte);

@@ -13,6 +13,7 @@ mod payload;
 mod position;
 mod ring;
 mod shortcut;
+mod sums;
 mod text;
 
 pub use controller::{Dispatcher, Judgement, Order};

@@ -5,7 +5,8 @@
 //! on a check of `used` that leaves no other reading.
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::ring::{NoFrame, Ring, int, wrap};
+use super::ring::{Candidate, NoFrame, Ring, int, wrap};
+use super::sums::Sums;
 use super::{Opcode, bytes};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
@@ -27,11 +28,10 @@ static LIMITS: [u32; 256] = {
     limits
 };
 
-/// A frame by its head and size. Whether it is intact, and the ring's fields are in range, [`Ring::take`] knows.
+/// A head at the ring's start, with as many bytes there as it asks for. Whether they are a frame, [`Ring::take`] knows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Whole {
     pub(crate) start: usize,
-    pub(crate) used: usize,
     pub(crate) opcode: u8,
     pub(crate) length: usize,
 }
@@ -43,26 +43,29 @@ pub(super) fn limit(opcode: Opcode) -> usize {
 }
 
 impl Ring {
-    /// Adds a byte, if there is room for it.
+    /// The place of the next byte, if there is room for one: [`push`](Self::push) puts it there.
     #[inline(always)]
-    pub(crate) fn push(&mut self, byte: u8) -> bool {
+    pub(crate) fn end(&self) -> Option<usize> {
         let start = self.start.cast_unsigned() as usize;
         let used = self.used.cast_unsigned() as usize;
-        if start < DP_BUFSIZE
-            && used < DP_BUFSIZE
-            && let Some(place) = self.bytes.get_mut(wrap(start.wrapping_add(used)))
-        {
+        let end = start.wrapping_add(used);
+        // When even their sum is in range, so are both: mostly one comparison is enough.
+        if end < DP_BUFSIZE { Some(end) } else { (start < DP_BUFSIZE && used < DP_BUFSIZE).then(|| wrap(end)) }
+    }
+
+    /// Adds a byte at the [`end`](Self::end).
+    #[inline(always)]
+    pub(crate) fn push(&mut self, end: usize, byte: u8) {
+        if let Some(place) = self.bytes.get_mut(end) {
             *place = byte;
             self.used = self.used.wrapping_add(1);
-            true
-        } else {
-            false
         }
     }
 
-    /// Judges the head at the start; `None` when it takes more than a glance.
+    /// Judges what the ring starts with: a head; one whose rest is waited for; garbage. `None` when it takes more than a
+    /// glance.
     #[inline(always)]
-    pub(crate) fn glance(&mut self) -> Option<Result<Whole, NoFrame>> {
+    pub(crate) fn glance(&self) -> Option<Result<Whole, NoFrame>> {
         let start = self.start.cast_unsigned() as usize;
         let used = self.used.cast_unsigned() as usize;
         if start > const { DP_BUFSIZE.wrapping_sub(FRAME_HEAD) } {
@@ -76,76 +79,145 @@ impl Ring {
                 if used < length.wrapping_add(FRAME_OVERHEAD) {
                     return Some(Err(NoFrame::Waiting));
                 }
-                return Some(Ok(Whole { start, used, opcode, length }));
+                return Some(Ok(Whole { start, opcode, length }));
             }
             if used == 1 || used == 2 && limit != 0 {
                 return Some(Err(NoFrame::Waiting));
             }
         }
-        match used {
-            0 => Some(Err(NoFrame::Waiting)),
-            1 => {
-                (self.start, self.used) = (int(start.wrapping_add(1)), 0);
-                Some(Err(NoFrame::Garbage))
-            }
-            _ => None,
-        }
+        Some(Err(if used == 0 { NoFrame::Waiting } else { NoFrame::Garbage }))
     }
 
-    /// Throws away the beginning of a frame that the last byte has shown to be none. Of its bytes only the last can begin
-    /// another.
+    /// Takes the frame that [`glance`](Self::glance) saw, or finds that its first byte is garbage. `None` when it lies across
+    /// the ring's end.
     #[inline(always)]
-    pub(crate) fn drop_head(&mut self) -> bool {
-        let start = self.start.cast_unsigned() as usize;
-        let used = self.used.cast_unsigned() as usize;
-        let Some(&[FRAME_START, opcode, length]) = self.bytes.get(start..).and_then(<[u8]>::first_chunk) else {
-            return false;
-        };
-        let limit = limit(Opcode(opcode));
-        let last = match used {
-            2 if limit == 0 => opcode,
-            3 if limit != 0 && usize::from(length) >= limit => length,
-            _ => return false,
-        };
-        let left = usize::from(last == FRAME_START);
-        (self.start, self.used) = (int(wrap(start.wrapping_add(used).wrapping_sub(left))), int(left));
-        true
-    }
-
-    /// Takes the frame that [`glance`](Self::glance) saw, if it is one and lies in one piece.
-    #[inline(always)]
-    pub(crate) fn take(&mut self, start: usize, used: usize, opcode: u8, length: usize) -> Option<Frame<'_>> {
+    pub(crate) fn take(&mut self, start: usize, opcode: u8, length: usize) -> Option<Result<Frame<'_>, NoFrame>> {
         let size = length.wrapping_add(FRAME_OVERHEAD);
-        let end = start.wrapping_add(size);
-        // In one comparison: no byte of it is stale, and the ring holds no more than it can.
-        if !is_intact(self.bytes.get(start..end)?, Opcode(opcode))
-            || used.wrapping_sub(size) > DP_BUFSIZE.wrapping_sub(size)
-        {
+        let used = self.used.cast_unsigned() as usize;
+        if !is_intact(self.bytes.get(start..start.wrapping_add(size))?, Opcode(opcode)) {
+            return Some(Err(NoFrame::Garbage));
+        }
+        if used > DP_BUFSIZE {
             return None;
         }
-        (self.start, self.used) = (int(wrap(end)), int(used.wrapping_sub(size)));
-        let begin = start.wrapping_add(FRAME_HEAD);
-        Some(Frame { opcode: Opcode(opcode), payload: Payload { ring: &self.bytes, begin, length } })
+        Some(Ok(self.take_out(start, used, Opcode(opcode), length)))
     }
+
+    /// Judges what the ring starts with, wherever that lies. `None` when its checksum is needed, or the start is out of range:
+    /// with more bytes than a ring has, none is waited for.
+    #[inline(always)]
+    pub(crate) fn look(&self) -> Option<NoFrame> {
+        let start = self.start.cast_unsigned() as usize;
+        if start >= DP_BUFSIZE {
+            return None;
+        }
+        match self.judge(start, self.used.cast_unsigned() as usize) {
+            Candidate::Frame(..) => None,
+            Candidate::Incomplete => Some(NoFrame::Waiting),
+            Candidate::Garbage => Some(NoFrame::Garbage),
+        }
+    }
+
+    /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
+    #[inline(always)]
+    pub(super) fn search_fast(&mut self, idle: bool, passed: usize) -> Result<Frame<'_>, NoFrame> {
+        let (mut start, mut used) = self.healed();
+        let mut none = NoFrame::Waiting;
+        if passed.wrapping_sub(1) < used {
+            (start, used, none) = (wrap(start.wrapping_add(passed)), used.wrapping_sub(passed), NoFrame::Garbage);
+        }
+        let mut sums = Sums::default();
+        loop {
+            match self.judge(start, used) {
+                Candidate::Frame(opcode, length) if sums.prove(self, start, used, opcode, length) => {
+                    return Ok(self.take_out(start, used, opcode, length));
+                }
+                Candidate::Incomplete if !idle || used == 0 => break,
+                Candidate::Frame(..) | Candidate::Incomplete | Candidate::Garbage => {}
+            }
+            (start, used, none) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1), NoFrame::Garbage);
+        }
+        (self.start, self.used) = (int(start), int(used));
+        Err(none)
+    }
+
+    /// Takes the frame at `start` out of the ring, which has `used` bytes from there on.
+    #[inline(always)]
+    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, length: usize) -> Frame<'_> {
+        let size = length.wrapping_add(FRAME_OVERHEAD);
+        (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
+        Frame { opcode, payload: Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length } }
+    }
+
+    /// Whether the checksum of a complete candidate is right.
+    #[inline(always)]
+    pub(super) fn is_right(&self, start: usize, opcode: Opcode, length: usize) -> bool {
+        let begin = wrap(start.wrapping_add(FRAME_HEAD));
+        let (first, rest) = pieces(&self.bytes, begin, length);
+        self.byte(begin.wrapping_add(length)) == bytes::add_up(bytes::add_up(sum_of_head(opcode, length), first), rest)
+    }
+
+    /// Passes over the byte at the start, known to begin no frame, and over what is garbage behind it, as far as no checksum
+    /// is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
+    #[inline(always)]
+    pub(crate) fn pass(&mut self) -> Result<usize, NoFrame> {
+        let mut start = self.start.cast_unsigned() as usize;
+        let mut used = self.used.cast_unsigned() as usize;
+        let all = used;
+        if all > DP_BUFSIZE {
+            // More than the search has, so it does not count.
+            return Ok(all);
+        }
+        (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
+        loop {
+            match self.judge(start, used) {
+                Candidate::Frame(..) => return Ok(all.wrapping_sub(used)),
+                Candidate::Incomplete => break,
+                Candidate::Garbage => {}
+            }
+            (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
+        }
+        (self.start, self.used) = (int(start), int(used));
+        Err(NoFrame::Garbage)
+    }
+}
+
+/// What start, opcode, length and end of a frame add to its checksum.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the length is a byte of the frame")]
+const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
+    const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length as u8)
 }
 
 /// Whether a frame that begins as it should, and lies in one piece, ends as it should.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "the length is a byte of the frame")]
-pub(super) fn is_intact(frame: &[u8], opcode: Opcode) -> bool {
+fn is_intact(frame: &[u8], opcode: Opcode) -> bool {
     let Some((summed, &[sum, end])) = frame.split_last_chunk() else { return false };
     let Some((_, payload)) = summed.split_first_chunk::<FRAME_HEAD>() else { return false };
-    let head = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(payload.len() as u8);
-    end == FRAME_END && sum == bytes::add_up(head, payload)
+    // The length was looked at before. Here the compiler learns that it is no larger.
+    end == FRAME_END
+        && payload.len() <= DP_DATA_MAX_SIZE
+        && sum == bytes::add_up(sum_of_head(opcode, payload.len()), payload)
+}
+
+/// The part of the ring that begins there, in the order it is read in: two pieces when it lies across the ring's end.
+#[inline(always)]
+pub(super) fn pieces(ring: &[u8; DP_BUFSIZE], begin: usize, length: usize) -> (&[u8], &[u8]) {
+    let (front, back) = ring.split_at_checked(begin).unwrap_or_default();
+    match back.get(..length) {
+        Some(whole) => (whole, &[]),
+        None => (back, front.get(..length.wrapping_sub(back.len())).unwrap_or_default()),
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::vec;
     use std::vec::Vec;
 
     use proptest::prelude::*;
 
-    use super::{NoFrame, Ring, Whole};
+    use super::{Frame, NoFrame, Opcode, Ring, Whole, int, wrap};
     use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
@@ -159,24 +231,71 @@ mod tests {
 
     /// What the long way does.
     fn searched(mut ring: Ring) -> Outcome {
-        let answer = ring.search(false).map(|frame| (frame.opcode.0, frame.payload.iter().collect()));
+        let answer = unpacked(ring.search(false, 0));
         outcome(&ring, answer)
     }
 
-    /// What the short way does, or `None` when it declines.
+    fn unpacked(answer: Result<Frame<'_>, NoFrame>) -> Result<(u8, Vec<u8>), NoFrame> {
+        answer.map(|frame| (frame.opcode.0, frame.payload.iter().collect()))
+    }
+
+    /// What the short ways do together, as dp_recv takes them, or `None` when they decline.
     fn short(mut ring: Ring) -> Option<Outcome> {
-        let before = outcome(&ring, Err(NoFrame::Waiting));
-        let answer = match ring.glance() {
-            Some(Ok(Whole { start, used, opcode, length })) => {
-                ring.take(start, used, opcode, length).map(|frame| Ok((frame.opcode.0, frame.payload.iter().collect())))
-            }
+        let before = ring.clone();
+        let unchanged = |ring: &Ring| assert_eq!(outcome(ring, Ok((0, vec![]))), outcome(&before, Ok((0, vec![]))));
+        let mut answer = match ring.glance() {
+            Some(Ok(Whole { start, opcode, length })) => ring.take(start, opcode, length).map(unpacked),
             Some(Err(none)) => Some(Err(none)),
-            None => ring.drop_head().then_some(Err(NoFrame::Garbage)),
+            None => None,
         };
-        if answer.is_none() {
-            assert_eq!(outcome(&ring, Err(NoFrame::Waiting)), before, "it declined and changed something");
+        match before.look() {
+            Some(none) if answer.is_none() => answer = Some(Err(none)),
+            Some(none) => assert_eq!(answer, Some(Err(none)), "two short ways differ"),
+            None => {}
+        }
+        if answer == Some(Err(NoFrame::Garbage)) {
+            unchanged(&ring);
+            let passed = ring.pass();
+            if passed.is_ok() {
+                unchanged(&ring);
+            }
+            answer = Some(passed.map_or_else(Err, |passed| unpacked(ring.search(false, passed))));
+        } else if !matches!(answer, Some(Ok(_))) {
+            unchanged(&ring);
         }
         answer.map(|answer| outcome(&ring, answer))
+    }
+
+    /// The long way, one byte after the other and without any of what is in this file.
+    fn plain(mut ring: Ring, idle: bool) -> Outcome {
+        let (mut start, mut used) = (ring.start.cast_unsigned() as usize, ring.used.cast_unsigned() as usize);
+        if start >= DP_BUFSIZE || used > DP_BUFSIZE {
+            (start, used) = (0, 0);
+        }
+        let mut unread: Vec<u8> = ring.bytes.iter().cycle().skip(start).take(used).copied().collect();
+        let mut answer = Err(NoFrame::Waiting);
+        while !unread.is_empty() {
+            let known = unread.get(1).is_none_or(|opcode| Opcode(*opcode).is_known());
+            let length = unread.get(2).map_or(0, |length| usize::from(*length));
+            let garbage = unread[0] != b'$' || !known || length > DP_DATA_MAX_SIZE;
+            if !garbage && unread.len() < length + 5 {
+                if !idle {
+                    break;
+                }
+            } else if !garbage {
+                let sum = unread[..length + 3].iter().fold(b':', |sum, byte| sum.wrapping_add(*byte));
+                if unread[length + 3..length + 5] == [sum, b':'] {
+                    answer = Ok((unread[1], unread[3..length + 3].to_vec()));
+                    unread.drain(..length + 5);
+                    break;
+                }
+            }
+            unread.remove(0);
+            answer = Err(NoFrame::Garbage);
+        }
+        ring.start = int(wrap(start + used - unread.len()));
+        ring.used = int(unread.len());
+        outcome(&ring, answer)
     }
 
     /// Rings full of frames, beginnings of frames and noise, stale bytes included.
@@ -194,7 +313,9 @@ mod tests {
         });
         let piece = prop_oneof![
             4 => frame,
+            // The second stands for candidates that overlap.
             1 => prop::collection::vec(prop_oneof![Just(b'$'), Just(b'M'), any::<u8>()], 0..4),
+            2 => (0..=u8::try_from(DP_DATA_MAX_SIZE).unwrap_or(u8::MAX)).prop_map(|length| vec![b'$', b'M', length, b':']),
         ];
         prop::collection::vec(piece, DP_BUFSIZE.div_ceil(8)).prop_map(|pieces| {
             let mut bytes = pieces.concat();
@@ -222,6 +343,10 @@ mod tests {
             ring.bytes.rotate_right(usize::try_from(start).unwrap_or(0) % DP_BUFSIZE);
             (ring.start, ring.used) = (start, used);
             let expected = searched(ring.clone());
+            prop_assert_eq!(&expected, &plain(ring.clone(), false));
+            let mut idle = ring.clone();
+            let answer = unpacked(idle.search(true, 0));
+            prop_assert_eq!(outcome(&idle, answer), plain(ring.clone(), true));
             if let Some(outcome) = short(ring) {
                 prop_assert_eq!(outcome, expected);
             }
@@ -232,7 +357,8 @@ mod tests {
             let mut ring = Ring::new();
             (ring.start, ring.used) = (start, used);
             let mut other = ring.clone();
-            if ring.push(byte) {
+            if let Some(end) = ring.end() {
+                ring.push(end, byte);
                 prop_assert_eq!(other.append(&[byte]), Ok(()));
             }
             if ring.used != used {

@@ -1,6 +1,6 @@
 //! Memory of callers, as pointers and sizes from C tell of it.
 
-use core::ffi::{c_int, c_void};
+use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 use core::slice;
 
@@ -50,4 +50,22 @@ pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut
         Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts_mut(buf.cast(), length) }),
         _ => None,
     }
+}
+
+/// A string of C's without its zero byte, or `None` where there is none. Not by a call of strlen.
+///
+/// # Safety
+///
+/// text is NULL or points to bytes of which one is zero, and which nobody writes while the slice lives.
+pub(super) unsafe fn text_of<'a>(text: *const c_char) -> Option<&'a [u8]> {
+    if text.is_null() {
+        return None;
+    }
+    let mut length = 0_usize;
+    // SAFETY: no byte behind the zero one is read.
+    while unsafe { text.add(length).read() } != 0 {
+        length = length.wrapping_add(1);
+    }
+    // SAFETY: as many were just read.
+    Some(unsafe { slice::from_raw_parts(text.cast(), length) })
 }

@@ -1,4 +1,6 @@
 //! `protocol.h`: the original's API, spelled as there (facts: the specification, section "Interface").
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
@@ -63,6 +65,7 @@ pub struct ProtocolMsg {
 }
 
 /// The payload of a status report as the shipped firmware lays it out: 16 bytes with the padding behind STAT.
+/// Displacements are in the firmware's own unit: the specification names none.
 #[derive(Debug)]
 #[repr(C)]
 #[expect(non_snake_case, reason = "the original's names")]
@@ -77,7 +80,7 @@ pub struct StatusReport {
     pub STAT: c_uchar,
 }
 
-/// The payload of a move request: 12 bytes.
+/// The payload of a move request: 12 bytes, in the unit of status reports.
 #[derive(Debug)]
 #[repr(C)]
 #[expect(non_snake_case, reason = "the original's names")]
@@ -111,8 +114,15 @@ const _: () = {
     assert!(size_of::<StatusReport>() == (12 + 1_usize).next_multiple_of(align_of::<c_float>()));
 };
 
-/// Writes a whole frame of `bytes` bytes somewhere; `usr` is what `dp_send` was given. `dp_send` returns its result.
+/// Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
 /// The frame may be changed, and is gone when the function returns.
+///
+/// ```c
+/// int uart_send(void *buf, int bytes, void *usr)
+/// {
+///     return uart_write((struct uart *)usr, buf, bytes) == bytes ? 0 : -1;
+/// }
+/// ```
 pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
 
 /// Adds received bytes at the ring's end.
@@ -123,10 +133,16 @@ pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, 
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
 /// negative, or buf is NULL and bytes is not 0.
 ///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
+///     ++losses;
+/// ```
+///
 /// # Safety
 ///
-/// data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is
-/// NULL or points to that many readable bytes, none of them in the ring.
+/// Pointers, threads and interrupts: the rules at the head. Not for an interrupt that may come during
+/// another call on the ring: there, bytes go into a queue of the program's own.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_process")
 #[unsafe(no_mangle)]
@@ -138,13 +154,16 @@ sized_alias!(dp_process = process(data: *mut Ring, buf: *mut c_void, bytes: c_in
 
 #[inline(always)]
 unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    if FAST
-        && bytes == 1
-        // SAFETY: both are as the contract of dp_process asks.
-        && let (Some(ring), Some(byte)) = (unsafe { data.as_mut() }, unsafe { buf.cast::<u8>().as_ref() })
-        && ring.push(*byte)
-    {
-        return DP_RC_SUCCESS;
+    if FAST && neither_null(data, buf) {
+        // SAFETY: not NULL, so a ring by the contract of dp_process.
+        let ring = unsafe { &mut *data };
+        if let Some(end) = ring.end()
+            && bytes == 1
+        {
+            // SAFETY: not NULL, so a byte by the contract of dp_process.
+            ring.push(end, unsafe { *buf.cast() });
+            return DP_RC_SUCCESS;
+        }
     }
     // SAFETY: the same contract.
     unsafe { process_any(data, buf, bytes) }
@@ -173,10 +192,15 @@ unsafe fn process_any(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int 
 /// needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode`
 /// is set to 0xFF and the rest of msg is left as it was.
 ///
+/// ```c
+/// struct protocol_msg msg;
+/// while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+///     handle(&msg);
+/// ```
+///
 /// # Safety
 ///
-/// Each pointer is NULL or points to a struct that no other thread or interrupt touches during the call; the
-/// structs do not overlap.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_recv")
 #[unsafe(no_mangle)]
@@ -187,72 +211,115 @@ pub unsafe extern "C" fn dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_in
 sized_alias!(dp_recv = recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 
 #[inline(always)]
-pub(super) unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    if FAST
-        && !msg.is_null()
-        // SAFETY: as the contract of dp_recv asks.
-        && let Some(ring) = unsafe { data.as_mut() }
-    {
-        match ring.glance() {
-            // SAFETY: msg is not NULL, so a message outside the ring by the contract of dp_recv.
-            Some(Err(none)) => return unsafe { answer(msg, Some(Err(none))) },
-            Some(Ok(it)) if it.length <= SHORT => {
-                // SAFETY: as above.
-                return unsafe { recv_whole::<SHORT>(ring, msg, it.start, it.used, it.opcode, it.length) };
-            }
-            Some(Ok(it)) => {
-                // SAFETY: as above.
-                return unsafe { recv_whole::<DP_DATA_MAX_SIZE>(ring, msg, it.start, it.used, it.opcode, it.length) };
-            }
-            // SAFETY: as above.
-            None => return unsafe { recv_odd(ring, msg) },
-        }
+unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    if FAST && neither_null(data, msg) {
+        // SAFETY: not NULL, so both are as the contract of dp_recv asks.
+        return unsafe { recv_next(&mut *data, msg) };
     }
     // SAFETY: the same contract.
-    unsafe { recv_any(data, msg, false) }
+    unsafe { recv_any(data, msg, false, 0) }
 }
 
-/// What takes more than a glance. A function of its own for the same reason as [`recv_whole`].
+/// The next message of a ring that there is. On hosts what takes more than a glance is left to functions of their own: every
+/// register that their loops need would have to be saved by all calls.
 ///
 /// # Safety
 ///
 /// msg points to a writable message outside the ring.
-#[inline(never)]
-unsafe fn recv_odd(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    if ring.drop_head() {
-        // SAFETY: the same contract.
-        return unsafe { answer(msg, Some(Err(NoFrame::Garbage))) };
+#[inline(always)]
+pub(super) unsafe fn recv_next(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
+    unsafe {
+        if !FAST {
+            return recv_any(ring, msg, false, 0);
+        }
+        match ring.glance() {
+            Some(Err(NoFrame::Waiting)) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some(Err(NoFrame::Garbage)) => recv_behind_garbage(ring, msg),
+            Some(Ok(it)) if it.length <= 1 => recv_short(ring, msg, it.start, it.opcode, it.length),
+            Some(Ok(it)) => recv_long(ring, msg, it.start, it.opcode, it.length),
+            None => recv_unclear(ring, msg),
+        }
     }
-    // SAFETY: a ring and a message, as recv_any asks.
-    unsafe { recv_any(ring, msg, false) }
 }
 
-/// Payloads of most frames: requests have none, an acknowledgement one byte.
-const SHORT: usize = 3;
-
-/// What [`Ring::glance`] saw whole, with at most MAX bytes of payload. A function of its own, and one for [`SHORT`] payloads,
-/// because every register that its loops need would have to be saved by all calls that share them.
+/// [`recv_whole`] for most frames: requests have no payload, an acknowledgement one byte. With a length that the compiler
+/// knows it makes shorter code.
 ///
 /// # Safety
 ///
-/// msg points to a writable message outside the ring.
+/// As for [`recv_next`].
 #[inline(never)]
-unsafe fn recv_whole<const MAX: usize>(
-    ring: &mut Ring,
-    msg: *mut ProtocolMsg,
-    start: usize,
-    used: usize,
-    opcode: u8,
-    length: usize,
-) -> c_int {
-    if length <= MAX
-        && let Some(frame) = ring.take(start, used, opcode, length)
-    {
-        // SAFETY: the same contract.
-        return unsafe { answer(msg, Some(Ok(frame))) };
+unsafe fn recv_short(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe {
+        match length {
+            0 => recv_whole(ring, msg, start, opcode, 0),
+            1 => recv_whole(ring, msg, start, opcode, 1),
+            _ => recv_long(ring, msg, start, opcode, length),
+        }
     }
-    // SAFETY: a ring and a message, as recv_any asks.
-    unsafe { recv_any(ring, msg, false) }
+}
+
+/// [`recv_whole`] for the others.
+///
+/// # Safety
+///
+/// As for [`recv_next`].
+#[inline(never)]
+unsafe fn recv_long(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { recv_whole(ring, msg, start, opcode, length) }
+}
+
+/// What [`Ring::glance`] saw whole.
+///
+/// # Safety
+///
+/// As for [`recv_next`].
+#[inline(always)]
+unsafe fn recv_whole(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe {
+        match ring.take(start, opcode, length) {
+            Some(Ok(frame)) => answer(msg, Some(Ok(frame))),
+            Some(Err(_)) => recv_behind_garbage(ring, msg),
+            None => recv_unclear(ring, msg),
+        }
+    }
+}
+
+/// A ring that begins with a byte that is known to begin no frame.
+///
+/// # Safety
+///
+/// As for [`recv_next`].
+#[inline(never)]
+unsafe fn recv_behind_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
+    unsafe {
+        match ring.pass() {
+            Ok(passed) => recv_any(ring, msg, false, passed),
+            Err(none) => answer(msg, Some(Err(none))),
+        }
+    }
+}
+
+/// A frame may lie across the ring's end.
+///
+/// # Safety
+///
+/// As for [`recv_next`].
+#[inline(never)]
+unsafe fn recv_unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
+    unsafe {
+        match ring.look() {
+            Some(NoFrame::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some(NoFrame::Garbage) => recv_behind_garbage(ring, msg),
+            None => recv_any(ring, msg, false, 0),
+        }
+    }
 }
 
 /// Any state of the ring. A function of its own where there is a faster way for the usual ones.
@@ -262,12 +329,12 @@ unsafe fn recv_whole<const MAX: usize>(
 /// As for [`dp_recv`].
 #[cfg_attr(target_pointer_width = "64", inline(never))]
 #[cfg_attr(not(target_pointer_width = "64"), inline(always))]
-pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool) -> c_int {
+pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool, passed: usize) -> c_int {
     if msg.is_null() {
         return DP_RC_ERROR_GENERIC;
     }
     // SAFETY: NULL, or a ring by the contract of this function.
-    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle));
+    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle, passed));
     // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
     unsafe { answer(msg, found) }
 }
@@ -300,15 +367,21 @@ unsafe fn answer(msg: *mut ProtocolMsg, found: Option<Result<Frame<'_>, NoFrame>
 
 /// Sends a message: calls sendfunc once, with the whole frame and usr.
 ///
-/// The opcode is not checked. sendfunc may call the library on the same message.
+/// The opcode is not checked.
 ///
 /// Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
 /// is outside 0 to `DP_DATA_MAX_SIZE`.
 ///
+/// ```c
+/// struct protocol_msg msg;
+/// msg.opcode = DP_OPCODE_HOMING;
+/// msg.data_s = 0;
+/// dp_send(&msg, uart_send, &uart);
+/// ```
+///
 /// # Safety
 ///
-/// msg is NULL or points to a struct that no other thread or interrupt changes during the call. sendfunc can be called
-/// with usr.
+/// Pointers, threads and interrupts: the rules at the head. sendfunc can be called with usr.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_send")
 #[unsafe(no_mangle)]
@@ -338,4 +411,11 @@ unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c
         Some(length) => unsafe { sendfunc(frame.as_mut_ptr().cast(), int(length), usr) },
         None => DP_RC_ERROR_GENERIC,
     }
+}
+
+/// Whether neither is NULL.
+#[inline(always)]
+fn neither_null<T, U>(one: *const T, other: *const U) -> bool {
+    // One comparison will do for nearly all pointers: those that have a bit in common.
+    one.addr() & other.addr() != 0 || !one.is_null() && !other.is_null()
 }

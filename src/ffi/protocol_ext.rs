@@ -1,31 +1,45 @@
 //! `protocol_ext.h`: what the original's API lacks.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
 use super::memory::{bytes_of, int};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, recv, recv_any};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, recv_any, recv_next};
 use super::sized_alias;
 use crate::deltarobot::Ring;
 
-/// Receives a message from `dp_process_each`; `usr` is what that was given. Any result but 0 stops it.
+/// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
 /// The message is gone when the function returns.
+///
+/// ```c
+/// int on_msg(const struct protocol_msg *msg, void *usr)
+/// {
+///     handle(msg);
+///     return 0;
+/// }
+/// ```
 pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mut c_void) -> c_int>;
 
 /// Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
 ///
 /// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
-/// are in the ring already come first. `on_msg` may call the library on the same ring.
+/// are in the ring already come first.
 ///
-/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the rest
-/// to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is NULL, bytes
-/// is negative, or buf is NULL and bytes is not 0.
+/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
+/// rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
+/// NULL, bytes is negative, or buf is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// dp_process_each(&ring, in, got, on_msg, NULL);
+/// ```
 ///
 /// # Safety
 ///
-/// data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is NULL or points to
-/// that many readable bytes, none of them in the ring, which stay as they are until the call returns. `on_msg` can be
-/// called with usr.
+/// Pointers, threads and interrupts: the rules at the head. buf's bytes stay as they are until the call
+/// returns. `on_msg` can be called with usr.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_process_each")
 #[unsafe(no_mangle)]
@@ -51,7 +65,7 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
         // SAFETY: data is not NULL, so a ring by the contract of dp_process_each; msg is ours.
-        while unsafe { recv(data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
+        while unsafe { recv_next(&mut *data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
             // SAFETY: as the contract of dp_process_each asks; no reference to the ring is held.
             if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
                 return int(input.len().wrapping_sub(rest.len()));
@@ -76,12 +90,18 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
 /// `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
-/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode` is set
-/// to 0xFF and the rest of msg is left as it was.
+/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
+/// `opcode` is set to 0xFF and the rest of msg is left as it was.
+///
+/// ```c
+/// if (now_ms() - heard_at >= 10)
+///     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
+///         handle(&msg);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_recv`.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_recv_idle")
 #[unsafe(no_mangle)]
@@ -94,16 +114,21 @@ sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) ->
 #[inline(always)]
 unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: as the contract of dp_recv_idle asks.
-    unsafe { recv_any(data, msg, true) }
+    unsafe { recv_any(data, msg, true, 0) }
 }
 
 /// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
 ///
+/// ```c
+/// struct protocol_data ring;
+/// dp_init(&ring);
+/// ```
+///
 /// # Safety
 ///
-/// data is NULL or points to writable memory of a ring's size and alignment.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_init")
 #[unsafe(no_mangle)]
@@ -125,9 +150,14 @@ unsafe fn init(data: *mut Ring) -> c_int {
     }
 }
 
-/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
+/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
 ///
 /// Returns a string that lives as long as the program.
+///
+/// ```c
+/// if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
+///     printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
+/// ```
 #[unsafe(no_mangle)]
 pub extern "C" fn dp_version() -> *const c_char {
     const { concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast() }

@@ -4,7 +4,8 @@ use core::ffi::{c_int, c_ulong};
 
 use crate::clock::span;
 
-/// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+/// Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times of more than
+/// 2147483647 ms (24 days) for that.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
 pub struct Settings {
@@ -13,8 +14,8 @@ pub struct Settings {
     /// The longest time from sending a request to its answer's arrival, however late: what has not come by then is
     /// lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
     pub guard_ms: c_ulong,
-    /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no other
-    /// state before it, does not end the operation. Not below guard; by default 500.
+    /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
+    /// other state before it, does not end the operation. Not below guard; by default 500.
     pub settle_ms: c_ulong,
     /// During an operation the status is requested when no report came for this long; by default 200.
     pub poll_ms: c_ulong,
@@ -24,17 +25,17 @@ pub struct Settings {
     pub operation_ms: c_ulong,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: c_ulong,
-    /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the displacement;
-    /// by default 0.25, twice what shipped firmware allows itself.
+    /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
+    /// displacement; by default 0.25, twice what shipped firmware allows itself.
     pub tolerance: f32,
-    /// How often a request is sent altogether before it has timed out; by default 4.
+    /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: c_int,
     /// Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
     pub layout: c_int,
     /// Not 0: each received message is an event.
     pub messages: c_int,
-    /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then waits until the
-    /// guard time of the last one is over, even when that ended well before.
+    /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
+    /// waits until the guard time of the last one is over, even when that ended well before.
     pub doubles: c_int,
 }
 

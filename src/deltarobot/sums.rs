@@ -1,0 +1,71 @@
+//! The checksums of candidates that overlap, on hosts.
+
+use super::Opcode;
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX};
+use super::ring::Ring;
+use super::shortcut::pieces;
+
+/// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
+const AHEAD: usize = FRAME_MAX.wrapping_mul(4);
+
+/// The sums that one search needs. Complete candidates may overlap, so that a byte stands in many of them; but however many
+/// fail, the search takes a time that grows with the ring's size alone: the first is summed as it is, and for those behind it
+/// running sums are made, of which two tell the sum between them.
+#[derive(Default)]
+pub(super) struct Sums(Option<Running>);
+
+impl Sums {
+    /// Whether the checksum of a complete candidate is right.
+    #[inline(always)]
+    pub(super) fn prove(&mut self, ring: &Ring, start: usize, used: usize, opcode: Opcode, length: usize) -> bool {
+        if let Some(running) = &mut self.0 {
+            let size = length.wrapping_add(FRAME_HEAD);
+            return ring.byte(start.wrapping_add(size)) == running.sum(ring, start, used, size).wrapping_add(FRAME_END);
+        }
+        let intact = ring.is_right(start, opcode, length);
+        if !intact {
+            self.0 = Some(Running { sums: [0; AHEAD], used: 0 });
+        }
+        intact
+    }
+}
+
+/// The sums of the first 0, 1, 2... bytes from some place in the ring on.
+struct Running {
+    sums: [u8; AHEAD],
+    /// How many bytes the ring had from that place on; 0 before there is one.
+    used: usize,
+}
+
+impl Running {
+    /// The sum of so many bytes that begin at `start`, where the ring has `used` ones.
+    #[inline(always)]
+    fn sum(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
+        let mut place = self.used.wrapping_sub(used);
+        if place.wrapping_add(size) >= AHEAD {
+            self.begin(ring, start, used);
+            place = 0;
+        }
+        self.get(place.wrapping_add(size)).wrapping_sub(self.get(place))
+    }
+
+    #[inline(never)]
+    fn begin(&mut self, ring: &Ring, start: usize, used: usize) {
+        self.used = used;
+        let (first, rest) = pieces(&ring.bytes, start, used.min(const { AHEAD.wrapping_sub(1) }));
+        let mut sum = 0_u8;
+        let [_, sums @ ..] = &mut self.sums;
+        let (now, later) = sums.split_at_mut_checked(first.len()).unwrap_or_default();
+        for (sums, bytes) in [(now, first), (later, rest)] {
+            for (place, byte) in sums.iter_mut().zip(bytes) {
+                sum = sum.wrapping_add(*byte);
+                *place = sum;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, place: usize) -> u8 {
+        self.sums.get(place).copied().unwrap_or_default()
+    }
+}
