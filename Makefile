@@ -51,8 +51,8 @@ SERIAL_EXPORTS := $(if $(filter yes,$(SERIAL)),$(shell grep ^dp_serial_ src/ffi/
 CARGO_DIR ?= $(OUT)/.cargo
 STAGE     := $(OUT)/.stage
 BUILT     := $(CARGO_DIR)/$(DP_TARGET)/release
-# Headers and the list of symbols are generated into a directory of these sizes, so that none of other sizes can be mistaken
-# for them.
+# Headers and the list of symbols are generated into a directory of these sizes, so that none of other sizes can be
+# mistaken for them.
 GENERATED := $(CARGO_DIR)/include/$(subst $(subst ,, ),_,$(foreach size,$(ALL_SIZES),$($(size))))
 
 # $(call renew,FILE,COPY): the copy keeps its time when nothing changed, so that what depends on it is not made again.
@@ -65,7 +65,7 @@ ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/libdeltarobot.so
 endif
 
-.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo bench fuzz clean help FORCE
+.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx bench coverage figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -151,8 +151,8 @@ install uninstall:
 	    packaging/install.sh $@
 uninstall: ## removes what install put there, given the same directories
 
-# Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes are
-# always the default ones.
+# Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes
+# are always the default ones.
 cli: ## builds the program `deltarobot` into $(OUT)
 	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release --features cli \
 	    --bin deltarobot --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
@@ -165,15 +165,35 @@ install-cli: $(if $(shell command -v $(CARGO)),cli) ## installs the program in B
 uninstall-cli: ## removes it from there
 	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot'
 
-demo: lib cli ## has a host program in C talk to a simulated robot over a pseudo-terminal
-	$(Q)mkdir -p $(STAGE)/demo
-	$(Q)$(call compile,$(STAGE)/demo/demo,demo.c)
-	$(Q)$(call compile,$(STAGE)/demo/host,host.c)
-	$(Q)$(STAGE)/demo/demo $(OUT)/deltarobot $(STAGE)/demo/host
-compile = $(CC) $(CPPFLAGS) $(CFLAGS) -I$(OUT)/include -o $(1) $(2:%=c_tests/demo/%) $(LDFLAGS) $(OUT)/libdeltarobot.a
+demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
+	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host $(OUT)/deltarobot sim
+
+demo-line: $(addprefix $(STAGE)/demo/,demo line-pc line-device) ## the same with a PC and devices of the line protocol
+	$(Q)$(STAGE)/demo/demo --line $(STAGE)/demo/line-pc $(STAGE)/demo/line-device
+
+demo-gx: $(addprefix $(STAGE)/demo/,demo gx-host gx-motion) ## the same with a host and a machine that speak GX
+	$(Q)$(STAGE)/demo/demo --line $(STAGE)/demo/gx-host $(STAGE)/demo/gx-motion 4
+
+# Examples of a protocol, or what runs a pair of them.
+define example
+$(STAGE)/demo/$(2): examples/$(1) lib
+	$$(Q)mkdir -p $$(@D)
+	$$(Q)$$(CC) $$(CPPFLAGS) $$(CFLAGS) -I$$(OUT)/include -o $$@ $$< $$(LDFLAGS) $$(OUT)/libdeltarobot.a
+endef
+$(foreach source,demo.c $(addsuffix .c,deltarobot/host line/pc line/device gx/host gx/motion), \
+    $(eval $(call example,$(source),$(subst /,-,$(basename $(source))))))
 
 bench: lib ## measures the library beside a model of the original
 	$(Q)c_tests/bench/run.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE)
+
+coverage: ## prints how much of the code the tests run; needs llvm's tools
+	$(Q)env $(ALL_SIZES:%=-u %) c_tests/coverage.sh target/coverage 95
+
+# Into a page that people read; what is on it is never typed.
+figures: lib firmware-all ## measures everything again and writes docs/figures.md
+	$(Q)c_tests/figures.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE) >$(STAGE)/figures.md
+	$(Q)mv $(STAGE)/figures.md docs/figures.md
+	@echo "figures: docs/figures.md is up to date"
 
 # Sanitizers are a feature of nightly compilers, which release compilers have behind this switch.
 fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz

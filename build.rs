@@ -1,7 +1,8 @@
 //! Fixes the sizes and generates the C headers for them.
 //!
-//! Reads from the environment: the sizes that `src/sizes.mk` lists, and `DP_HEADER_DIR`, the directory that shall receive
-//! the headers and `exports.txt`, the symbols to export (`make` sets it; without it they stay in cargo's `OUT_DIR`).
+//! Reads from the environment: the sizes that `src/sizes.mk` lists, and `DP_HEADER_DIR`, the directory that shall
+//! receive the headers and `exports.txt`, the symbols to export (`make` sets it; without it they stay in cargo's
+//! `OUT_DIR`).
 
 use std::{env, error::Error, fmt::Write, fs, path::Path};
 
@@ -10,7 +11,7 @@ const FAMILIES: [&str; 3] = ["DP", "OLP", "GX"];
 
 /// The headers: each is generated from a module, `src/ffi/MODULE.rs` (and the further files named here, for types whose
 /// layout it shows), with the settings in `src/ffi/MODULE.toml`.
-const HEADERS: [(&str, &str, &[&str]); 6] = [
+const HEADERS: [(&str, &str, &[&str]); 13] = [
     ("libdeltarobot/protocol.h", "protocol", &["src/deltarobot/ring.rs"]),
     ("libdeltarobot/protocol_ext.h", "protocol_ext", &[]),
     ("libdeltarobot/payload.h", "payload", &[]),
@@ -27,7 +28,80 @@ const HEADERS: [(&str, &str, &[&str]); 6] = [
     ),
     ("libdeltarobot/controller.h", "controller", &["src/deltarobot/controller.rs"]),
     ("libdeltarobot/serial.h", "serial", &["src/serial.rs"]),
+    (
+        "libdeltarobot/line_protocol.h",
+        "line_protocol",
+        &[
+            "src/ffi/line_protocol/reading.rs",
+            "src/ffi/line_protocol/building.rs",
+            "src/ffi/line_protocol/receiving.rs",
+            "src/line/receiver.rs",
+        ],
+    ),
+    (
+        "libdeltarobot/line_host.h",
+        "line_host",
+        &[
+            "src/line/host.rs",
+            "src/line/host/counter.rs",
+            "src/line/host/table.rs",
+            "src/line/host/health.rs",
+            "src/line/host/settings.rs",
+            "src/line/host/slot.rs",
+        ],
+    ),
+    (
+        "libdeltarobot/line_device.h",
+        "line_device",
+        &["src/line/device.rs", "src/line/device/answers.rs", "src/line/device/input.rs", "src/line/device/setup.rs"],
+    ),
+    (
+        "libdeltarobot/gx.h",
+        "gx",
+        &[
+            "src/ffi/gx/write.rs",
+            "src/ffi/gx/contour.rs",
+            "src/gx/command.rs",
+            "src/gx/contour.rs",
+            "src/gx/receiver.rs",
+            "src/gx/scanner.rs",
+        ],
+    ),
+    (
+        "libdeltarobot/gx_host.h",
+        "gx_host",
+        &["src/gx/host.rs", "src/gx/host/health.rs", "src/gx/host/settings.rs", "src/gx/host/window.rs"],
+    ),
+    (
+        "libdeltarobot/gx_motion.h",
+        "gx_motion",
+        &[
+            "src/gx/motion.rs",
+            "src/gx/motion/event.rs",
+            "src/gx/motion/health.rs",
+            "src/gx/motion/notices.rs",
+            "src/gx/motion/order.rs",
+            "src/gx/motion/queue.rs",
+            "src/gx/motion/reports.rs",
+            "src/gx/motion/settings.rs",
+        ],
+    ),
+    ("ContouringProtocol.h", "contouring_protocol", &[]),
 ];
+
+/// What the heads of those with a clock say besides.
+const TIMES: &str =
+    "- Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.";
+
+/// What the head of each header says about all of its functions.
+const RULES: &str = "\
+What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let sizes = sizes()?;
@@ -142,7 +216,8 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
     let manifest = env::var("CARGO_MANIFEST_DIR")?;
     let mut config = cbindgen::Config::from_file(format!("{manifest}/src/ffi/{module}.toml"))?;
     config.language = cbindgen::Language::C;
-    config.style = cbindgen::Style::Tag;
+    // The posted header names no struct.
+    config.style = if path.contains('/') { cbindgen::Style::Tag } else { cbindgen::Style::Type };
     config.documentation_style = cbindgen::DocumentationStyle::Doxy;
     config.no_includes = true;
     config.line_length = 110;
@@ -159,7 +234,8 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
     }
     let mut text = Vec::new();
     builder.generate()?.write(&mut text);
-    let mut text = String::from_utf8(text)?;
+    // Comments shall not end with the empty line in front of what was for cbindgen.
+    let mut text = String::from_utf8(text)?.replace("\n *\n */", "\n */");
 
     for family in FAMILIES {
         text = text.replace(&format!("@{family}_SIZES@"), &sizes_block(sizes, family)?);
@@ -177,6 +253,8 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
 
     let version = |part: &str| env::var(format!("CARGO_PKG_VERSION{part}"));
     for (placeholder, value) in [
+        ("@RULES@", RULES.into()),
+        ("@TIMES@", TIMES.into()),
         ("@VERSION@", version("")?),
         ("@VERSION_MAJOR@", version("_MAJOR")?),
         ("@VERSION_MINOR@", version("_MINOR")?),

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Prints how much of the library's code the tests run through, line by line: coverage.sh WORKDIR [GOAL]. Fails when the core
-# (all but src/ffi and src/serial*) has less than GOAL per cent. Rust's unit tests and the C programs, linked statically, count.
+# Prints how much of the library's code the tests run through, line by line: coverage.sh WORKDIR [GOAL]. Fails when the
+# core (all but src/ffi and src/serial*) has less than GOAL per cent. Rust's unit tests and the C programs, linked
+# statically, count.
 #
 # Needs the tools of the LLVM that rustc was built with: rustup component add llvm-tools, or Debian's llvm-NN.
 set -eu
@@ -19,8 +20,8 @@ instrumented() {
     cargo --config "build.rustflags=['-Cinstrument-coverage']" "$@" --lib --features serial --target "$host" --target-dir "$work"
 }
 
-# lines NAME PROGRAM...: for each line of the sources in each program, how often it ran. Unit tests and C programs are kept
-# apart, as the same function differs in them; and of several programs at a time, llvm-cov would believe the first.
+# lines NAME PROGRAM...: for each line of the sources in each program, how often it ran. Unit tests and C programs are
+# kept apart, as the same function differs in them; and of several programs at a time, llvm-cov would believe the first.
 lines() {
     name=$1; shift
     llvm-profdata merge -sparse -o "$work/$name/profile" "$work/$name"/*.profraw

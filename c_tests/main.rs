@@ -14,6 +14,7 @@ mod support;
 
 #[cfg(feature = "cli")]
 mod cli;
+mod examples;
 mod headers;
 mod oracle;
 mod packaging;

@@ -1,7 +1,7 @@
 //! Each program linked statically, linked to the shared library, under the sanitizers, under valgrind, and for
-//! other sizes than the default.
+//! other sizes than the default, as far as these concern it.
 
-use crate::support::{DEFAULT, Language, Library, MODEL, Mode, OTHERS, Program, build, check, command, run, text};
+use crate::support::{DEFAULT, Family, Language, Library, MODEL, Mode, Program, build, check, command, run, text};
 
 macro_rules! in_every_mode {
     ($($name:ident: $program:expr;)*) => {$(
@@ -30,7 +30,7 @@ macro_rules! in_every_mode {
 
             #[test]
             fn for_other_sizes() {
-                for sizes in OTHERS {
+                for sizes in $program.other_sizes() {
                     check::<&str>(&$program, sizes, Mode::Sanitized, &[]);
                 }
             }
@@ -40,15 +40,28 @@ macro_rules! in_every_mode {
 
 in_every_mode! {
     better: Program::c99("better", &["better.c"]);
+    contouring: Program::c99("contouring", &["contouring.c"]).family(Family::Gx);
     controller: Program::c99("controller", &["controller.c"]);
     cross_comm: Program::c99("cross_comm", &["cross_comm.cpp"]).language(Language::Cpp98);
     ext: Program::c99("ext", &["ext.c"]);
-    hostile: Program::c99("hostile", &["hostile.c"]);
+    gx: Program::c99("gx", &["gx.c"]).family(Family::Gx);
+    gx_channel: Program::c99("gx_channel", &["gx_channel.c"]).family(Family::Gx);
+    gx_contour: Program::c99("gx_contour", &["gx_contour.c"]).family(Family::Gx);
+    gx_host: Program::c99("gx_host", &["gx_host.c"]).language(Language::C11).family(Family::Gx);
+    gx_motion: Program::c99("gx_motion", &["gx_motion.c"]).language(Language::C11).family(Family::Gx);
     host_link: Program::c99("host_link", &["host_link.c"]);
     host_session: Program::c99("host_session", &["host_session.c"]);
+    hostile: Program::c99("hostile", &["hostile.c"]);
     layout: Program::c99("layout", &["layout.c"]).language(Language::C11);
     layout_cpp: Program::c99("layout_cpp", &["layout_cpp.cpp"]).language(Language::Cpp98);
     layout_session: Program::c99("layout_session", &["layout_session.c"]).language(Language::C11);
+    line_channel: Program::c99("line_channel", &["line_channel.c"]).family(Family::Line);
+    line_conversation: Program::c99("line_conversation", &["line_conversation.c"]).family(Family::Line);
+    line_device: Program::c99("line_device", &["line_device.c"]).family(Family::Line);
+    line_host: Program::c99("line_host", &["line_host.c"]).family(Family::Line);
+    line_host_layout: Program::c99("line_host_layout", &["line_host_layout.c"]).language(Language::C11).family(Family::Line);
+    line_layout: Program::c99("line_layout", &["line_layout.c"]).language(Language::C11).family(Family::Line);
+    line_protocol: Program::c99("line_protocol", &["line_protocol.c"]).family(Family::Line);
     noise: Program::c99("noise", &["noise.c", MODEL]);
     payload: Program::c99("payload", &["payload.c"]);
     pc_utils: Program::c99("pc_utils", &["pc_utils.cpp"]).language(Language::Cpp98);
@@ -57,6 +70,23 @@ in_every_mode! {
     session_channel: Program::c99("session_channel", &["session_channel.c"]);
     threads: Program::c99("threads", &["threads.c"]);
     two_units: Program::c99("two_units", &["two_units_a.c", "two_units_b.c"]);
+}
+
+/// Too much for valgrind: it feeds all that four bytes can be.
+mod gx_exhaustive {
+    use super::*;
+
+    const PROGRAM: Program = Program::c99("gx_exhaustive", &["gx_exhaustive.c"]);
+
+    #[test]
+    fn every_input_of_four_bytes() {
+        check(&PROGRAM, DEFAULT, Mode::Static, &["4"]);
+    }
+
+    #[test]
+    fn under_the_sanitizers() {
+        check(&PROGRAM, DEFAULT, Mode::Sanitized, &["2"]);
+    }
 }
 
 /// `send_opcode` is driven over a pseudo-terminal by `pty_run`.
@@ -94,6 +124,78 @@ mod send_opcode {
     #[test]
     fn under_valgrind() {
         over_a_pseudo_terminal(Mode::Valgrind);
+    }
+}
+
+/// The line protocol's demonstration: the devices and the PC program have to be content with each other, and the PC
+/// program must not be content with anything.
+mod line_demonstration {
+    use super::*;
+
+    const DEMO: Program = Program::c99("demo", &["../examples/demo.c"]);
+    const PC: Program = Program::c99("line_pc", &["../examples/line/pc.c"]);
+    const DEVICE: Program = Program::c99("line_device_example", &["../examples/line/device.c"]);
+
+    fn run_with(device: Option<&Program>, mode: Mode) -> Option<std::process::Output> {
+        let library = Library::of(DEFAULT);
+        let (demo, pc) = (build(&DEMO, &library, mode)?, build(&PC, &library, mode)?);
+        let mut command = command(&demo, &library, mode);
+        command.arg("--line").arg(pc);
+        match device {
+            Some(device) => command.arg(build(device, &library, mode)?),
+            None => command.args(["/bin/sleep", "3"]),
+        };
+        Some(run(&mut command))
+    }
+
+    #[test]
+    fn all_is_as_expected() {
+        for mode in [Mode::Sanitized, Mode::Shared] {
+            let output = run_with(Some(&DEVICE), mode).unwrap();
+            assert!(output.status.success() && text(&output).ends_with("all as expected\n"), "{}", text(&output));
+        }
+    }
+
+    #[test]
+    fn nothing_is_as_expected() {
+        let output = run_with(None, Mode::Sanitized).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+        assert!(
+            text(&output).contains("!! expected three devices") && text(&output).contains("FAILED"),
+            "{}",
+            text(&output)
+        );
+    }
+}
+
+/// The GX protocol's demonstration: the machine and the host program have to be content with each other, but not when
+/// the machine has an axis more than the host program expects.
+mod gx_demonstration {
+    use super::*;
+
+    const DEMO: Program = Program::c99("gx_demo", &["../examples/demo.c"]);
+    const HOST: Program = Program::c99("gx_host_example", &["../examples/gx/host.c"]);
+    const MOTION: Program = Program::c99("gx_motion_example", &["../examples/gx/motion.c"]);
+
+    fn run_with(axes: &str, mode: Mode) -> std::process::Output {
+        let library = Library::of(DEFAULT);
+        let [demo, host, motion] = [DEMO, HOST, MOTION].map(|program| build(&program, &library, mode).unwrap());
+        run(command(&demo, &library, mode).arg("--line").arg(host).arg(motion).arg(axes))
+    }
+
+    #[test]
+    fn all_is_as_expected() {
+        for (axes, mode) in [("3", Mode::Sanitized), ("4", Mode::Shared)] {
+            let output = run_with(axes, mode);
+            assert!(output.status.success() && text(&output).ends_with("all as expected\n"), "{}", text(&output));
+        }
+    }
+
+    #[test]
+    fn an_axis_too_many_is_noticed() {
+        let output = run_with("6", Mode::Static);
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+        assert!(text(&output).contains("!! expected one move refused"), "{}", text(&output));
     }
 }
 

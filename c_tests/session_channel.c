@@ -1,14 +1,14 @@
 /*
- * The host session against controllers, over a line that loses, flips, delays, duplicates and splits bytes, in simulated
- * time: seeded runs, each of which is one line quality, one kind of controller and a user's random requests.
+ * The host session against controllers, over a line that loses, flips, delays, duplicates and splits bytes, in
+ * simulated time: seeded runs, each of which is one line quality, one kind of controller and a user's random requests.
  *
  * What has to hold in each run, however bad the line:
  *   - a request is reported as finished only if the platform did it after it was requested;
  *   - every request ends exactly once, and in bounded time.
  *
- * The checksum has 8 bits, so a damaged frame passes for another one now and then, and nothing holds for what it says. Such
- * frames are known here: each message that an end understood is compared with those that the other has sent. A run in which
- * a frame was forged is counted, and what went wrong in it reported, but it proves nothing either way.
+ * The checksum has 8 bits, so a damaged frame passes for another one now and then, and nothing holds for what it says.
+ * Such frames are known here: each message that an end understood is compared with those that the other has sent. A run
+ * in which a frame was forged is counted, and what went wrong in it reported, but it proves nothing either way.
  *
  * Usage: session_channel [RUNS [FIRST_SEED]]
  */

@@ -94,8 +94,8 @@ cp "$DP_HEADER_DIR/exports.txt" "$out"
 rm -f "$out/include/libdeltarobot/serial.h"
 
 # One object with only the public functions global, so that nothing in it can stand in for a function of the firmware's,
-# memcpy or one of libgcc's. The bitcode is for link-time optimisation in Rust, and the unwind tables only say "can't". The two
-# symbols ask for start-up code on AVR, which is the firmware's business.
+# memcpy or one of libgcc's. The bitcode is for link-time optimisation in Rust, and the unwind tables only say "can't".
+# The two symbols ask for start-up code on AVR, which is the firmware's business.
 exports=$(grep -v ^dp_serial_ "$out/exports.txt")
 object=$out/.deltarobot.o
 cp "$work/$target/release/libdeltarobot.a" "$object.a"

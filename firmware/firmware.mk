@@ -18,12 +18,15 @@ firmware: ## builds the library for bare metal, TARGET=thumbv7em-none-eabihf for
 firmware-all: ## the same for all targets for which there is a toolchain
 	+$(Q)CARGO='$(CARGO)' firmware/all.sh $(FIRMWARE_TARGETS)
 
-firmware-size: firmware-all ## prints flash and stack that each function takes on each target
+firmware-size: firmware-all ## prints flash and stack that each function takes on each target, and a whole sketch on AVR
 	$(Q)head=1; for target in $(FIRMWARE_TARGETS); do \
 	    if firmware/build.sh $$target 2>/dev/null >&2; then \
 	        FIRMWARE_SIZE_HEAD=$$head firmware/size.sh $$target target/firmware/$$target || exit; head=0; \
 	    fi; \
 	done
+	$(Q)if firmware/build.sh avr-none 2>/dev/null >&2; then \
+	    c_tests/firmware/line.sh size target/firmware/avr-none target/firmware/test; \
+	fi
 
 firmware-test: lib firmware-all ## runs examples/firmware in emulators against a host program
 	$(Q)HOST_LIB='$(OUT)' c_tests/firmware/run.sh test

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Prints what each function of a firmware build takes with everything it calls: text and constants, and worst-case stack.
+# Prints what each function of a firmware build takes with everything it calls: text and constants, and worst-case
+# stack.
 #
 #   firmware/size.sh TARGET DIR    DIR holds what firmware/build.sh built
 set -eu
@@ -61,5 +62,23 @@ all=$(sed '/@\|^dp_serial_/d' "$here/../src/ffi/exports.txt")
 for fn in $all; do
     case $fn in dp_process | dp_recv | dp_send) ;; *) measure "$fn" "$fn" ;; esac
 done
+# shellcheck disable=SC2046 # a list of names
+measure "a GX motion side" $(echo "$all" | grep ^gx_motion_)
 # shellcheck disable=SC2086 # a list of names
 measure "all" $all
+
+# ram HEADER STRUCT: what an object takes, as bytes
+ram() {
+    case $target in
+        avr-none) options=-mmcu=${MCU:-atmega2560} ;;
+        riscv32*) options="-march=rv32imc -mabi=ilp32" ;;
+        *) options= ;;
+    esac
+    # shellcheck disable=SC2086 # a list of options
+    printf '#include "libdeltarobot/%s"\nstruct %s object;\n' "$1" "$2" |
+        "${prefix}gcc" $options -ffreestanding -fno-common -I "${archive%/*}/include" -x c -c -o "$work/object" -
+    # shellcheck disable=SC2046 # one word
+    set -- "$2" $("${prefix}nm" -S "$work/object" | awk '$4 == "object" { print $2 }')
+    printf '%-28s %-24s %6d %8s %9s\n' "$target" "RAM: $1" "0x$2" - -
+}
+ram gx_motion.h gx_motion

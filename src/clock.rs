@@ -18,8 +18,8 @@ pub(crate) const fn left(now: u32, since: c_ulong, span: u32) -> u32 {
     span.saturating_sub(now.wrapping_sub(time(since)))
 }
 
-/// How long a setting says something lasts, 0 standing for the default. At most half of what wraps, so that it can be told
-/// when it is over.
+/// How long a setting says something lasts, 0 standing for the default. At most half of what wraps, so that it can be
+/// told when it is over.
 pub(crate) fn span(time: c_ulong, default: u32) -> u32 {
     match u32::try_from(time) {
         Ok(0) => default,

@@ -1,13 +1,22 @@
-//! Floats as text: six significant digits, as `printf("%g")` and C++ streams write them.
+//! Floats as text, and back: exact and without floating-point arithmetic.
 //!
-//! Exact and without floating-point arithmetic. A float is an integer times a power of two, so its decimal digits
-//! end: at most 39 before the point and 149 behind it. They are all worked out, nine to a word, and then rounded.
+//! A float is an integer times a power of two, so its decimal digits end: at most 39 before the point and 149 behind
+//! it. They are all worked out, nine to a word, and then rounded: here to six significant digits, as `printf("%g")` and
+//! C++ streams do.
+
+mod fixed;
+mod read;
+
+pub(crate) use fixed::{DECIMALS_MAX, write_fixed};
+pub(crate) use read::read_float;
 
 /// A limb holds nine decimal digits.
 const BASE: u32 = 1_000_000_000;
 const LIMB_DIGITS: i32 = 9;
 /// Limbs before the point...
 const WHOLE: usize = 5;
+/// ...the last of them...
+const UNITS: usize = WHOLE.wrapping_sub(1);
 /// ...and in all.
 const LIMBS: usize = WHOLE + 17;
 /// The power of ten of the first digit of them all.
@@ -43,22 +52,27 @@ pub(crate) fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
     }
 }
 
-/// Rounds `significand` * 2^`exponent`, which is not zero, to the nearest; a tie goes to the even digit.
-fn round(significand: u32, exponent: i32) -> Rounded {
-    let mut limbs = [0_u32; LIMBS];
-    if let Some(units) = limbs.get_mut(WHOLE.wrapping_sub(1)) {
+/// Works out the digits of `significand` * 2^`exponent` in limbs that are zero.
+fn expand(limbs: &mut [u32; LIMBS], significand: u32, exponent: i32) {
+    if let Some(units) = limbs.get_mut(UNITS) {
         *units = significand;
     }
     for _ in 0..exponent {
-        double(&mut limbs);
+        double(limbs);
     }
     let mut halvings = exponent.wrapping_neg();
     while halvings > 0 {
         // A limb's lowest nine bits are what 10^9 can be divided by.
         let now = halvings.min(9);
-        halve(&mut limbs, now.cast_unsigned());
+        halve(limbs, now.cast_unsigned());
         halvings = halvings.wrapping_sub(now);
     }
+}
+
+/// Rounds `significand` * 2^`exponent`, which is not zero, to the nearest; a tie goes to the even digit.
+fn round(significand: u32, exponent: i32) -> Rounded {
+    let mut limbs = [0; LIMBS];
+    expand(&mut limbs, significand, exponent);
 
     let (mut digits, mut count, mut exponent) = (0_u32, 0_u32, 0);
     let (mut next, mut beyond) = (0, false);
@@ -101,8 +115,8 @@ fn double(limbs: &mut [u32; LIMBS]) {
     }
 }
 
-/// Divides by 2^`times`, 1 to 9.
-fn halve(limbs: &mut [u32; LIMBS], times: u32) {
+/// Divides by 2^`times`, 1 to 9; whether digits fell out behind the last limb.
+fn halve(limbs: &mut [u32; LIMBS], times: u32) -> bool {
     let unit = BASE.wrapping_shr(times);
     let mask = 1_u32.wrapping_shl(times).wrapping_sub(1);
     let mut carry = 0;
@@ -111,6 +125,7 @@ fn halve(limbs: &mut [u32; LIMBS], times: u32) {
         *limb = limb.wrapping_shr(times).wrapping_add(carry);
         carry = low.wrapping_mul(unit);
     }
+    carry != 0
 }
 
 fn write_rounded(number: &Rounded, put: &mut dyn FnMut(u8)) {

@@ -1,7 +1,7 @@
 //! The serial port, on Unix: a terminal device as the deltarobot link needs it.
 //!
-//! 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at 115200 baud or another standard speed. It
-//! opens without waiting for a carrier and keeps other programs away. Nothing here waits longer than it was told to,
+//! 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at 115200 baud or another standard speed.
+//! It opens without waiting for a carrier and keeps other programs away. Nothing here waits longer than it was told to,
 //! and a device that has disappeared is an error at the next use.
 //!
 //! Not in firmware builds, nor anywhere else without the feature `serial`: this is all of the library that calls the
@@ -70,8 +70,8 @@ impl Port {
         Self { fd: -1, is_open: 0, has_failed: 0, name_length: 0, text: [0; TEXT_MAX] }
     }
 
-    /// Opens and sets up a device, which has to be a terminal: a serial port or a pseudo-terminal. What it received before
-    /// is thrown away. The speed is in baud, 0 stands for [`BAUD`].
+    /// Opens and sets up a device, which has to be a terminal: a serial port or a pseudo-terminal. What it received
+    /// before is thrown away. The speed is in baud, 0 stands for [`BAUD`].
     ///
     /// # Errors
     ///
@@ -114,8 +114,8 @@ impl Port {
         self.is_open != 0
     }
 
-    /// Reads what has come. When nothing has, waits for it up to so many milliseconds (for ever if negative), or until a
-    /// signal was handled; then no bytes are returned.
+    /// Reads what has come. When nothing has, waits for it up to so many milliseconds (for ever if negative), or until
+    /// a signal was handled; then no bytes are returned.
     ///
     /// # Errors
     ///
@@ -138,8 +138,8 @@ impl Port {
         }
     }
 
-    /// Writes all bytes, waiting for room up to so many milliseconds in all (for ever if negative), and tells how many were
-    /// written: fewer when the time was over first. Signals don't end it.
+    /// Writes all bytes, waiting for room up to so many milliseconds in all (for ever if negative), and tells how many
+    /// were written: fewer when the time was over first. Signals don't end it.
     ///
     /// # Errors
     ///
@@ -198,8 +198,8 @@ impl Port {
         discarded.map_err(|cause| self.fail(&cause))
     }
 
-    /// The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`; empty when
-    /// nothing did since it was opened.
+    /// The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`; empty
+    /// when nothing did since it was opened.
     #[must_use]
     pub fn error(&self) -> &CStr {
         if self.has_failed == 0 { c"" } else { text::string(&self.text) }

@@ -1,6 +1,6 @@
 # The sizes that are fixed when the library is built, with their defaults. The Makefile includes this file, and build.rs
-# makes constants of it, for Rust and for C, with these comments as their documentation. The sizes of one prefix, in this
-# order, are part of the names of the symbols that rest on them.
+# makes constants of it, for Rust and for C, with these comments as their documentation. The sizes of one prefix, in
+# this order, are part of the names of the symbols that rest on them.
 
 # Bytes that a ring holds.
 DP_BUFSIZE ?= 128
@@ -9,7 +9,7 @@ DP_DATA_MAX_SIZE ?= 32
 
 # Longest line that a line receiver takes, in bytes without its end: from the 63 of a command up.
 OLP_LINE_MAX ?= 255
-# Most commands that may be unanswered at a time: the host keeps so many to repeat them, a device so many answers.
+# Most commands unanswered at a time: the host keeps them to repeat them, a device keeps its answers.
 OLP_WINDOW_MAX ?= 8
 # Longest line that a device sends, in bytes with its end: 64 to 255.
 OLP_REPLY_MAX ?= 128

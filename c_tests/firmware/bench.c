@@ -1,7 +1,7 @@
 /*
- * What the library costs on the target, beside the model of the original (c_tests/model/) in the same image: instructions
- * on a Cortex-M in QEMU, which is told to take one nanosecond for each; cycles on a simulated AVR. Prints a table on the UART,
- * then the stack that was really used, and "done".
+ * What the library costs on the target, beside the model of the original (c_tests/model/) in the same image:
+ * instructions on a Cortex-M in QEMU, which is told to take one nanosecond for each; cycles on a simulated AVR. Prints
+ * a table on the UART, then the stack that was really used, and "done".
  */
 #include "../../examples/firmware/board.h"
 #include "../model/model.h"

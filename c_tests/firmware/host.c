@@ -1,9 +1,9 @@
 /*
  * Talks to firmware that runs in an emulator, through the emulated UART: host ROLE [ROUNDS] -- COMMAND...
  *
- * COMMAND is the emulator, with the UART at its standard input and output. ROLE is `controller` (the example, whose answers
- * are checked) or `echo` (echo.c, which sends back each frame it receives). Each phase prints a line; the exit status is 0 when
- * all passed.
+ * COMMAND is the emulator, with the UART at its standard input and output. ROLE is `controller` (the example, whose
+ * answers are checked) or `echo` (echo.c, which sends back each frame it receives). Each phase prints a line; the exit
+ * status is 0 when all passed.
  */
 #define _DEFAULT_SOURCE
 
@@ -511,8 +511,8 @@ static void echo_rounds(int rounds)
 }
 
 /*
- * A long stream of frames with or without rubbish between them, cut anyhow: the firmware must find what this machine finds.
- * The echoes are waited for, since two lines of one speed can't carry more back than there.
+ * A long stream of frames with or without rubbish between them, cut anyhow: the firmware must find what this machine
+ * finds. The echoes are waited for, since two lines of one speed can't carry more back than there.
  */
 static void echo_stream(const char *name, int noisy, int streams)
 {

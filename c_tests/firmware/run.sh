@@ -83,7 +83,8 @@ if [ "$what" = test ]; then
     echo "simavr, $mcu at 16 MHz and 115200 baud"
     programs="controller echo"
     if [ "${DP_DATA_MAX_SIZE:-32}" -gt 64 ]; then
-        # The search through noise takes it longer than a FIFO lasts at this speed (make firmware-bench: longest dp_recv).
+        # The search through noise takes it longer than a FIFO lasts at this speed (make firmware-bench: longest
+        # dp_recv).
         programs=controller
         echo "  echo left out: too slow for noise with payloads of more than 64 bytes"
     fi
@@ -93,6 +94,7 @@ if [ "$what" = test ]; then
             on "$program, $variant" $program 10000 "$out/simavr_run $mcu $elf"
         done
     done
+    "$tests/line.sh" test "$root/target/firmware/avr-none" "$out"
     echo "firmware-test: passed"
 else
     # measure TARGET PREFIX FLAGS...: compiles the model, sets lib

@@ -1,7 +1,7 @@
 /*
  * Runs an ELF file on a simulated AVR: simavr_run MCU FILE [mute]. What stands at standard input comes in at USART0 at
- * 115200 baud, a byte every ten bits' time and not later for want of the firmware's attention; what the firmware sends goes
- * to standard output. Ends with the input, or, when it is mute and has none, with the firmware.
+ * 115200 baud, a byte every ten bits' time and not later for want of the firmware's attention; what the firmware sends
+ * goes to standard output. Ends with the input, or, when it is mute and has none, with the firmware.
  */
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>

@@ -52,8 +52,8 @@ int model_process(struct model_data *data, void *buf, int bytes)
 }
 
 /*
- * Every call scans from the ring's start and, when a candidate fails, goes on behind the byte that failed. Only a
- * whole frame moves the ring on. Only bytes skipped between candidates are garbage; those of a failed candidate are not.
+ * Every call scans from the ring's start and, when a candidate fails, goes on behind the byte that failed. Only a whole
+ * frame moves the ring on. Only bytes skipped between candidates are garbage; those of a failed candidate are not.
  */
 int model_recv(struct model_data *data, struct model_msg *msg)
 {

@@ -14,35 +14,88 @@ use std::time::{Duration, Instant};
 /// A program that takes longer hangs.
 const TIME_LIMIT: Duration = Duration::from_secs(300);
 
-/// The sizes a library is built for.
+/// The protocols: each has sizes of its own, and programs that only these concern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    Deltarobot,
+    Line,
+    Gx,
+}
+
+/// The sizes a library is built for, as `src/sizes.mk` lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Sizes {
     pub(crate) bufsize: usize,
     pub(crate) data_max: usize,
+    olp: [usize; 4],
+    gx: [usize; 2],
 }
 
 pub(crate) const DEFAULT: Sizes = Sizes::new(128, 32);
 
-/// The sizes of the original's earlier revisions, and what lies at the edges: a ring that holds one maximal frame
-/// and no more, the shortest and the longest payload, sizes that need padding behind them.
-pub(crate) const OTHERS: [Sizes; 6] = [
-    Sizes::new(256, 32),
-    Sizes::new(512, 255),
-    Sizes::new(37, 32),
-    Sizes::new(6, 1),
-    Sizes::new(300, 255),
-    Sizes::new(100, 17),
-];
+/// All as small as they can be.
+pub(crate) const SMALLEST: Sizes = Sizes::new(6, 1).olp([63, 1, 64, 1]).gx([1, 1]);
+
+/// All that have an upper limit at that, and the others large; here they need padding behind them.
+pub(crate) const LARGEST: Sizes = Sizes::new(300, 255).olp([1000, 64, 255, 255]).gx([255, 255]);
+
+/// The sizes of the original's earlier revisions, and what lies at the edges: besides those above, a ring that holds
+/// one maximal frame and no more, and sizes that need padding behind them.
+pub(crate) const OTHERS: [Sizes; 6] =
+    [Sizes::new(256, 32), Sizes::new(512, 255), Sizes::new(37, 32), SMALLEST, LARGEST, Sizes::new(100, 17)];
 
 impl Sizes {
+    /// Those of the other protocols are the default ones.
     pub(crate) const fn new(bufsize: usize, data_max: usize) -> Self {
-        Self { bufsize, data_max }
+        Self { bufsize, data_max, olp: [255, 8, 128, 16], gx: [16, 16] }
+    }
+
+    /// Those of the line protocol: longest line, window, longest reply, devices.
+    pub(crate) const fn olp(self, olp: [usize; 4]) -> Self {
+        Self { olp, ..self }
+    }
+
+    /// Those of GX: queue, window.
+    pub(crate) const fn gx(self, gx: [usize; 2]) -> Self {
+        Self { gx, ..self }
+    }
+
+    /// All of them, with their names.
+    pub(crate) fn all(self) -> [(&'static str, usize); 8] {
+        let Self { bufsize, data_max, olp: [line, commands, reply, devices], gx: [queue, moves] } = self;
+        [
+            ("DP_BUFSIZE", bufsize),
+            ("DP_DATA_MAX_SIZE", data_max),
+            ("OLP_LINE_MAX", line),
+            ("OLP_WINDOW_MAX", commands),
+            ("OLP_REPLY_MAX", reply),
+            ("OLP_DEVICES_MAX", devices),
+            ("GX_QUEUE_MAX", queue),
+            ("GX_WINDOW_MAX", moves),
+        ]
+    }
+
+    /// Whether a protocol has other sizes than by default.
+    pub(crate) fn are_others_for(self, family: Family) -> bool {
+        match family {
+            Family::Deltarobot => (self.bufsize, self.data_max) != (DEFAULT.bufsize, DEFAULT.data_max),
+            Family::Line => self.olp != DEFAULT.olp,
+            Family::Gx => self.gx != DEFAULT.gx,
+        }
     }
 }
 
+/// As part of a file's name.
 impl fmt::Display for Sizes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{}", self.bufsize, self.data_max)
+        write!(f, "{}-{}", self.bufsize, self.data_max)?;
+        for (name, sizes, default) in [("olp", &self.olp[..], &DEFAULT.olp[..]), ("gx", &self.gx, &DEFAULT.gx)] {
+            if sizes != default {
+                write!(f, "-{name}")?;
+                sizes.iter().try_for_each(|size| write!(f, "-{size}"))?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -87,11 +140,12 @@ pub(crate) struct Program {
     pub(crate) sources: &'static [&'static str],
     pub(crate) language: Language,
     pub(crate) flags: &'static [&'static str],
+    pub(crate) family: Family,
 }
 
 impl Program {
     pub(crate) const fn c99(name: &'static str, sources: &'static [&'static str]) -> Self {
-        Self { name, sources, language: Language::C99, flags: &[] }
+        Self { name, sources, language: Language::C99, flags: &[], family: Family::Deltarobot }
     }
 
     pub(crate) const fn language(self, language: Language) -> Self {
@@ -100,6 +154,17 @@ impl Program {
 
     pub(crate) const fn flags(self, flags: &'static [&'static str]) -> Self {
         Self { flags, ..self }
+    }
+
+    /// The protocol whose sizes it depends on.
+    pub(crate) const fn family(self, family: Family) -> Self {
+        Self { family, ..self }
+    }
+
+    /// The other sizes that mean anything to it.
+    pub(crate) fn other_sizes(&self) -> impl Iterator<Item = Sizes> + use<> {
+        let family = self.family;
+        OTHERS.into_iter().filter(move |sizes| sizes.are_others_for(family))
     }
 }
 
@@ -156,8 +221,7 @@ impl Library {
         Command::new("make")
             .args(["lib", &format!("OUT={}", self.dir.display())])
             .arg(format!("CARGO_DIR={}", out_dir().join("cargo").display()))
-            .arg(format!("DP_BUFSIZE={}", self.sizes.bufsize))
-            .arg(format!("DP_DATA_MAX_SIZE={}", self.sizes.data_max))
+            .args(self.sizes.all().map(|(name, value)| format!("{name}={value}")))
             .current_dir(root())
             // What an outer `make test` was given is not for this build.
             .env_remove("MAKEFLAGS")

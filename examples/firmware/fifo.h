@@ -1,9 +1,9 @@
 /*
  * The way of a byte from the UART's interrupt handler to the main loop.
  *
- * The ring of libdeltarobot is not made for two contexts: a dp_process() in the interrupt handler could run in the midst of
- * a dp_recv() of the main loop, and one of the two would see the other's half-done work. So the handler calls nothing of
- * the library. It puts bytes into this FIFO, which the main loop empties into the ring:
+ * The ring of libdeltarobot is not made for two contexts: a dp_process() in the interrupt handler could run in the
+ * midst of a dp_recv() of the main loop, and one of the two would see the other's half-done work. So the handler calls
+ * nothing of the library. It puts bytes into this FIFO, which the main loop empties into the ring:
  *
  *     handler    fifo_put()                                     and nothing else
  *     main loop  fifo_get(), dp_process(), dp_recv(), dp_send()

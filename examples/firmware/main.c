@@ -10,8 +10,8 @@
 #include <libdeltarobot/protocol_ext.h>
 
 /*
- * After so long a silence what is incomplete is given up: noise that looks like the beginning of a frame. At 115200 baud a
- * frame of 37 bytes takes 3.2 ms, but the host's operating system may pause in the midst of one.
+ * After so long a silence what is incomplete is given up: noise that looks like the beginning of a frame. At 115200
+ * baud a frame of 37 bytes takes 3.2 ms, but the host's operating system may pause in the midst of one.
  */
 #ifndef QUIET_MS
 #define QUIET_MS 250u
@@ -35,8 +35,8 @@ static int receive(struct protocol_data *ring)
 }
 
 /*
- * Called by dp_send with a whole frame; usr is the ring. To wait for the UART without emptying it would lose bytes
- * that come in meanwhile. Touching the ring from here is allowed: dp_send knows nothing of it, and dp_recv, which does, has
+ * Called by dp_send with a whole frame; usr is the ring. To wait for the UART without emptying it would lose bytes that
+ * come in meanwhile. Touching the ring from here is allowed: dp_send knows nothing of it, and dp_recv, which does, has
  * returned before the answer is made.
  */
 static int send_frame(void *buf, int bytes, void *usr)

@@ -22,6 +22,10 @@ impl<'a> Input<'a> {
         taken
     }
 
+    pub fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        [(); N].map(|()| self.byte())
+    }
+
     /// Any int, with a liking for those at the edge of a range.
     pub fn int(&mut self) -> c_int {
         let edge = match self.byte() % 8 {

@@ -3,4 +3,8 @@
 
 pub mod abi;
 pub mod contract;
+pub mod gx_abi;
 pub mod input;
+pub mod line_abi;
+pub mod line_contract;
+pub mod object;

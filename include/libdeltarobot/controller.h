@@ -4,6 +4,14 @@
  * answers them.
  *
  * Generated from src/ffi/controller.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
  */
 #ifndef LIBDELTAROBOT_CONTROLLER_H
 #define LIBDELTAROBOT_CONTROLLER_H
@@ -62,28 +70,57 @@ struct dp_dispatcher {
 /**
  * Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
  * `DP_STATUS_HOMING`.
+ *
+ * ```c
+ * int start_homing(void *usr)
+ * {
+ *     return motors_home();
+ * }
+ * ```
  */
 typedef int (*dp_controller_home_func_t)(void *usr);
 
 /**
  * Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
  * end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+ *
+ * ```c
+ * int start_move(const struct protocol_msg_position *target, void *usr)
+ * {
+ *     return motors_move(target->DA, target->DB, target->DC);
+ * }
+ * ```
  */
 typedef int (*dp_controller_move_func_t)(const struct protocol_msg_position *target, void *usr);
 
 /**
  * Begins to stop. Returns 0, or anything else to refuse.
+ *
+ * ```c
+ * int stop(void *usr)
+ * {
+ *     return motors_stop();
+ * }
+ * ```
  */
 typedef int (*dp_controller_cancel_func_t)(void *usr);
 
 /**
  * Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
+ *
+ * ```c
+ * void read_status(struct protocol_msg_status_report *report, void *usr)
+ * {
+ *     motors_where(&report->DA, &report->DB, &report->DC);
+ *     report->STAT = (unsigned char)(motors_state() | (stop_a_is_pressed() ? DP_BIT_STAT_STOP_A_BIT : 0));
+ * }
+ * ```
  */
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
 /**
- * The firmware's own functions. Each is given usr, and may call the library on the same controller. What `home`, `move` or
- * `cancel` would do is refused where they are NULL; `read` and `send` are needed.
+ * The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
+ * NULL; `read` and `send` are needed.
  */
 struct dp_controller_calls {
   /**
@@ -122,17 +159,23 @@ struct dp_controller {
 /**
  * Makes a controller of any memory.
  *
- * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both, it
- * answers like shipped firmware.
+ * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
+ * 0 for both, it answers like shipped firmware.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`, the layout is
- * none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for `DP_LAYOUT_SPEC`).
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
+ * the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
+ * `DP_LAYOUT_SPEC`).
+ *
+ * ```c
+ * static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
+ * static struct dp_controller controller;
+ * dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
+ * ```
  *
  * # Safety
  *
- * controller is NULL or points to writable memory of its size and alignment. calls is NULL or points to functions that
- * can be called with usr; it stays there as long as the controller is used.
- *
+ * Pointers, threads and interrupts: the rules at the head. calls' functions can be called with usr; calls
+ * stays there as long as the controller is used.
  */
 int dp_controller_init(struct dp_controller *controller,
                        const struct dp_controller_calls *calls,
@@ -142,17 +185,23 @@ int dp_controller_init(struct dp_controller *controller,
 DP_SIZED("dp_controller_init");
 
 /**
- * Takes received bytes. Not for interrupts that may come during another call on the same controller.
+ * Takes received bytes.
  *
  * When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL, bytes is
- * negative, or buf is NULL and bytes is not 0.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL,
+ * bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * if (dp_controller_receive(&controller, in, got) == DP_RC_OVERFLOW)
+ *     ++losses;
+ * ```
  *
  * # Safety
  *
- * controller is NULL or was made by `dp_controller_init`; buf is NULL or points to that many readable bytes.
- *
+ * As for `dp_controller_poll`. Not for an interrupt that may come during another call on the controller: there, bytes
+ * go into a queue of the firmware's own.
  */
 int dp_controller_receive(struct dp_controller *controller,
                           const void *buf,
@@ -162,27 +211,36 @@ DP_SIZED("dp_controller_receive");
 /**
  * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
  *
- * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
- * NULL or was not made by `dp_controller_init`.
+ * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
+ * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ *
+ * ```c
+ * while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+ *     ;
+ * ```
  *
  * # Safety
  *
- * controller is NULL, or was made by `dp_controller_init` or is all zero.
- *
+ * Pointers, threads and interrupts: the rules at the head. controller was made by `dp_controller_init` or
+ * is all zero.
  */
 int dp_controller_poll(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll");
 
 /**
- * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would be waited for
- * until enough bytes have come, are given up (see `dp_recv_idle`).
+ * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
+ * be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
  *
  * Returns what `dp_controller_poll` does.
+ *
+ * ```c
+ * if (now_ms() - heard_at >= 10)
+ *     dp_controller_poll_idle(&controller);
+ * ```
  *
  * # Safety
  *
  * As for `dp_controller_poll`.
- *
  */
 int dp_controller_poll_idle(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll_idle");
@@ -192,10 +250,14 @@ DP_SIZED("dp_controller_poll_idle");
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
  *
+ * ```c
+ * if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
+ *     dp_controller_report(&controller);
+ * ```
+ *
  * # Safety
  *
  * As for `dp_controller_poll`.
- *
  */
 int dp_controller_report(struct dp_controller *controller)
 DP_SIZED("dp_controller_report");

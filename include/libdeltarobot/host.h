@@ -4,23 +4,37 @@
  *
  * Generated from src/ffi/host.rs: `make header` renews it.
  *
- * It does no I/O. A loop around it, fd being the serial port:
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *
- *     dp_host_init(&host, NULL);
- *     dp_host_home(&host);
- *     for (;;) {
- *         struct dp_host_event event;
- *         while (dp_host_poll(&host, now(), &event) == DP_RC_SUCCESS)
- *             handle(&event);
- *         if ((n = dp_host_output(&host, out, sizeof out, now())) > 0)
- *             write_all(fd, out, n);
- *         if (taken == got) {
- *             wait_readable(fd, dp_host_next_deadline(&host, now()));
- *             taken = 0;
- *             got = read_what_is_there(fd, in, sizeof in);
- *         }
- *         taken += dp_host_receive(&host, in + taken, got - taken, now());
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
+ *
+ * A session does no I/O. A loop around it, from the first request on:
+ *
+ * ```c
+ * struct dp_host_event event;
+ * char in[64], out[DP_HOST_OUTPUT_MAX];
+ * int got = 0, taken = 0, length;
+ *
+ * dp_host_init(&host, NULL);
+ * dp_host_home(&host);
+ * for (;;) {
+ *     while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+ *         handle_event(&event);
+ *     if ((length = dp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
+ *     if (taken == got) {
+ *         wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
+ *         taken = 0;
+ *         got = uart_read(&uart, in, sizeof in);
  *     }
+ *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+ * }
+ * ```
  */
 #ifndef LIBDELTAROBOT_HOST_H
 #define LIBDELTAROBOT_HOST_H
@@ -118,7 +132,8 @@ extern "C" {
 #define DP_HOST_OUTPUT_MAX 27
 
 /**
- * Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+ * Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times of more than
+ * 2147483647 ms (24 days) for that.
  */
 struct dp_host_settings {
   /**
@@ -131,8 +146,8 @@ struct dp_host_settings {
    */
   unsigned long guard_ms;
   /**
-   * How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no other
-   * state before it, does not end the operation. Not below guard; by default 500.
+   * How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
+   * other state before it, does not end the operation. Not below guard; by default 500.
    */
   unsigned long settle_ms;
   /**
@@ -152,12 +167,12 @@ struct dp_host_settings {
    */
   unsigned long gap_ms;
   /**
-   * How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the displacement;
-   * by default 0.25, twice what shipped firmware allows itself.
+   * How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
+   * displacement; by default 0.25, twice what shipped firmware allows itself.
    */
   float tolerance;
   /**
-   * How often a request is sent altogether before it has timed out; by default 4.
+   * How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
    */
   int attempts;
   /**
@@ -169,8 +184,8 @@ struct dp_host_settings {
    */
   int messages;
   /**
-   * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then waits until the
-   * guard time of the last one is over, even when that ended well before.
+   * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
+   * waits until the guard time of the last one is over, even when that ended well before.
    */
   int doubles;
 };
@@ -348,7 +363,8 @@ struct dp_host_event {
    */
   int kind;
   /**
-   * Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
+   * Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
+   * `STATUS`.
    */
   unsigned char opcode;
   /**
@@ -376,24 +392,32 @@ struct dp_host_event {
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
+ * ```c
+ * struct dp_host_settings settings = {0};
+ * settings.messages = 1;
+ * dp_host_init(&host, &settings);
+ * ```
+ *
  * # Safety
  *
- * host is NULL or points to writable memory of its size and alignment; settings is NULL or points to settings.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
-int dp_host_init(struct dp_host *host,
-                 const struct dp_host_settings *settings)
-DP_SIZED("dp_host_init");
+int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED("dp_host_init");
 
 /**
  * Requests homing. The end comes as an event.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
+ * ```c
+ * if (dp_host_home(&host) == DP_RC_BUSY)
+ *     puts("first, DP_HOST_ENDED has to come");
+ * ```
+ *
  * # Safety
  *
- * host is NULL, or was begun by `dp_host_init` or is all zero.
- *
+ * Pointers, threads and interrupts: the rules at the head. host was begun by `dp_host_init` or is all
+ * zero.
  */
 int dp_host_home(struct dp_host *host)
 DP_SIZED("dp_host_home");
@@ -401,28 +425,38 @@ DP_SIZED("dp_host_home");
 /**
  * Requests a move to a position. The end comes as an event.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a coordinate
- * is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is
+ * NULL, a coordinate is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+ *
+ * ```c
+ * const struct protocol_msg_position target = {1, 2, -3.5f};
+ * if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
+ *     puts("no robot can go there");
+ * ```
  *
  * # Safety
  *
- * As for `dp_host_home`; target is NULL or points to a position.
- *
+ * As for `dp_host_home`.
  */
 int dp_host_move(struct dp_host *host,
                  const struct protocol_msg_position *target)
 DP_SIZED("dp_host_move");
 
 /**
- * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it, the operation
- * when the platform stands. Without an operation it is requested all the same.
+ * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
+ * the operation when the platform stands. Without an operation it is requested all the same.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is
+ * NULL.
+ *
+ * ```c
+ * if (stop_is_pressed())
+ *     dp_host_cancel(&host);
+ * ```
  *
  * # Safety
  *
  * As for `dp_host_home`.
- *
  */
 int dp_host_cancel(struct dp_host *host)
 DP_SIZED("dp_host_cancel");
@@ -430,12 +464,17 @@ DP_SIZED("dp_host_cancel");
 /**
  * Requests a status report. It ends with the next report that is received.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is
+ * NULL.
+ *
+ * ```c
+ * if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
+ *     asked_at = now_ms();
+ * ```
  *
  * # Safety
  *
  * As for `dp_host_home`.
- *
  */
 int dp_host_status(struct dp_host *host)
 DP_SIZED("dp_host_status");
@@ -443,16 +482,19 @@ DP_SIZED("dp_host_status");
 /**
  * Takes received bytes; `now_ms` is when they came.
  *
- * Times are milliseconds of any clock that does not go back. Their lowest 32 bits count, and may wrap.
- *
  * Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
- * `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes
- * is not 0.
+ * `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf
+ * is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got; handle_events(&host))
+ *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+ * ```
  *
  * # Safety
  *
- * As for `dp_host_home`; buf is NULL or points to that many readable bytes, none of them in the session.
- *
+ * As for `dp_host_home`.
  */
 int dp_host_receive(struct dp_host *host,
                     const void *buf,
@@ -461,16 +503,22 @@ int dp_host_receive(struct dp_host *host,
 DP_SIZED("dp_host_receive");
 
 /**
- * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until there is none; what is to
- * be sent after that tells `dp_host_output`.
+ * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
+ * there is none; what is to be sent after that tells `dp_host_output`.
  *
- * Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or `DP_RC_ERROR_GENERIC` when a
- * pointer is NULL.
+ * Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
+ * `DP_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct dp_host_event event;
+ * while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+ *     if (event.kind == DP_HOST_ENDED)
+ *         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
+ * ```
  *
  * # Safety
  *
- * As for `dp_host_home`; event is NULL or points to writable memory of its size and alignment, outside the session.
- *
+ * As for `dp_host_home`.
  */
 int dp_host_poll(struct dp_host *host,
                  unsigned long now_ms,
@@ -478,16 +526,22 @@ int dp_host_poll(struct dp_host *host,
 DP_SIZED("dp_host_poll");
 
 /**
- * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave. To be called
- * after `dp_host_poll`.
+ * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
+ * To be called after `dp_host_poll`.
  *
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
  * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
+ * ```c
+ * char out[DP_HOST_OUTPUT_MAX];
+ * int length = dp_host_output(&host, out, sizeof out, now_ms());
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
  * # Safety
  *
- * As for `dp_host_home`; buf is NULL or points to that many writable bytes outside the session.
- *
+ * As for `dp_host_home`.
  */
 int dp_host_output(struct dp_host *host,
                    void *buf,
@@ -496,37 +550,53 @@ int dp_host_output(struct dp_host *host,
 DP_SIZED("dp_host_output");
 
 /**
- * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and the output was
- * fetched: what it returns is then what poll(2) takes as time-out.
+ * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
+ * the output was fetched: what it returns is then what poll(2) takes as time-out.
  *
- * Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+ * Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
+ *
+ * ```c
+ * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
+ * ```
  *
  * # Safety
  *
  * As for `dp_host_home`.
- *
  */
 long dp_host_next_deadline(const struct dp_host *host,
                            unsigned long now_ms)
 DP_SIZED("dp_host_next_deadline");
 
 /**
- * Whether an operation is going on: 1, or 0, also when host is NULL.
+ * Whether an operation is going on.
+ *
+ * Returns 1, or 0, also when host is NULL.
+ *
+ * ```c
+ * if (!dp_host_busy(&host))
+ *     dp_host_home(&host);
+ * ```
  *
  * # Safety
  *
  * As for `dp_host_home`.
- *
  */
 int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
 
 /**
- * How the link does: NULL when host is, else counters that live and change with the session.
+ * How the link does.
+ *
+ * Returns counters that live and change with the session, or NULL when host is.
+ *
+ * ```c
+ * const struct dp_host_health *health = dp_host_get_health(&host);
+ * if (health->rtt_count > 0)
+ *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+ * ```
  *
  * # Safety
  *
  * As for `dp_host_home`.
- *
  */
 const struct dp_host_health *dp_host_get_health(const struct dp_host *host) DP_SIZED("dp_host_get_health");
 

@@ -3,6 +3,14 @@
  * libdeltarobot/payload.h: building, reading and printing the messages of the specification.
  *
  * Generated from src/ffi/payload.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
  */
 #ifndef LIBDELTAROBOT_PAYLOAD_H
 #define LIBDELTAROBOT_PAYLOAD_H
@@ -41,8 +49,8 @@ extern "C" {
 #define DP_LAYOUT_SPEC 1
 
 /**
- * Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length from
- * 13 on is read.
+ * Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
+ * from 13 on is read.
  */
 #define DP_LAYOUT_FIRMWARE 2
 
@@ -52,67 +60,96 @@ extern "C" {
 #define DP_MSG_TEXT_MAX 96
 
 /**
- * Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or `GENERAL_ERR`.
+ * Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
+ * `GENERAL_ERR`.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
+ * left as it was.
+ *
+ * ```c
+ * struct protocol_msg msg;
+ * if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
+ *     dp_send(&msg, uart_send, &uart);
+ * ```
  *
  * # Safety
  *
- * msg is NULL or points to a writable message, which may be uninitialised.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build(struct protocol_msg *msg,
              unsigned char opcode)
 DP_SIZED("dp_build");
 
 /**
- * Makes an acknowledgement of the request with the opcode answered.
+ * Makes an acknowledgement of the request with the opcode answered, which is not checked.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
+ * ```c
+ * struct protocol_msg answer;
+ * dp_build_ack(&answer, msg.opcode);
+ * dp_send(&answer, uart_send, &uart);
+ * ```
+ *
  * # Safety
  *
- * As for `dp_build`.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
 /**
- * Makes a refusal of the request with the opcode answered.
+ * Makes a refusal of the request with the opcode answered, which is not checked.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
+ * ```c
+ * struct protocol_msg answer;
+ * dp_build_nack(&answer, DP_OPCODE_MOVE);
+ * dp_send(&answer, uart_send, &uart);
+ * ```
+ *
  * # Safety
  *
- * As for `dp_build`.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
 /**
  * Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
+ * left as it was.
+ *
+ * ```c
+ * const struct protocol_msg_position target = {1, 2, -3.5f};
+ * if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
+ *     dp_send(&msg, uart_send, &uart);
+ * ```
  *
  * # Safety
  *
- * As for `dp_build`; target is NULL or points to a position.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_move(struct protocol_msg *msg,
                   const struct protocol_msg_position *target)
 DP_SIZED("dp_build_move");
 
 /**
- * Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become zero.
+ * Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
+ * zero.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or `DP_DATA_MAX_SIZE`
- * is below the 16 or 13 bytes that it takes.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
+ * `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.
+ *
+ * ```c
+ * const struct protocol_msg_status_report report = {1, 2, -3.5f, DP_STATUS_IDLE | DP_BIT_STAT_STOP_A_BIT};
+ * if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
+ *     dp_send(&msg, uart_send, &uart);
+ * ```
  *
  * # Safety
  *
- * As for `dp_build`; report is NULL or points to a status report.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_status_report(struct protocol_msg *msg,
                            const struct protocol_msg_status_report *report,
@@ -124,10 +161,15 @@ DP_SIZED("dp_build_status_report");
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
  *
+ * ```c
+ * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *     if (dp_msg_check(&msg) == DP_RC_SUCCESS)
+ *         handle(&msg);
+ * ```
+ *
  * # Safety
  *
- * msg is NULL or points to a message.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_msg_check(const struct protocol_msg *msg)
 DP_SIZED("dp_msg_check");
@@ -135,13 +177,18 @@ DP_SIZED("dp_msg_check");
 /**
  * Reads from an ack or a nack which opcode it answers.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long, or a pointer is
- * NULL.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long,
+ * or a pointer is NULL.
+ *
+ * ```c
+ * unsigned char answered;
+ * if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
+ *     printf("refused: %s\n", dp_opcode_name(answered));
+ * ```
  *
  * # Safety
  *
- * As for `dp_msg_check`; answered is NULL or points to a writable byte.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_answer(const struct protocol_msg *msg,
                    unsigned char *answered)
@@ -150,13 +197,18 @@ DP_SIZED("dp_read_answer");
 /**
  * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a
- * pointer is NULL.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12
+ * bytes long, or a pointer is NULL.
+ *
+ * ```c
+ * struct protocol_msg_position target;
+ * if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
+ *     motors_move(target.DA, target.DB, target.DC);
+ * ```
  *
  * # Safety
  *
- * As for `dp_msg_check`; target is NULL or points to a writable position.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_move(const struct protocol_msg *msg,
                  struct protocol_msg_position *target)
@@ -166,13 +218,18 @@ DP_SIZED("dp_read_move");
  * Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
  * signalling one from shipped firmware. Reserved bits of STAT are cleared.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a length that the
- * layout does not have, the layout is none of these, or a pointer is NULL.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a
+ * length that the layout does not have, the layout is none of these, or a pointer is NULL.
+ *
+ * ```c
+ * struct protocol_msg_status_report report;
+ * if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
+ *     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
+ * ```
  *
  * # Safety
  *
- * As for `dp_msg_check`; report is NULL or points to a writable status report.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_status_report(const struct protocol_msg *msg,
                           int layout,
@@ -180,10 +237,14 @@ int dp_read_status_report(const struct protocol_msg *msg,
 DP_SIZED("dp_read_status_report");
 
 /**
- * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`,
- * `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`.
+ * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
+ * `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`. Can be called at any time.
  *
  * Returns a string that lives as long as the program.
+ *
+ * ```c
+ * printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
+ * ```
  */
 const char *dp_opcode_name(unsigned char opcode);
 
@@ -192,15 +253,21 @@ const char *dp_opcode_name(unsigned char opcode);
  *
  * snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
  * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
- * them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
+ * them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not
+ * shown.
  *
- * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is negative, or buf
- * is NULL and cap is not 0.
+ * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
+ * negative, or buf is NULL and cap is not 0.
+ *
+ * ```c
+ * char text[DP_MSG_TEXT_MAX];
+ * if (dp_msg_format(&msg, text, sizeof text) > 0)
+ *     puts(text);
+ * ```
  *
  * # Safety
  *
- * As for `dp_msg_check`; buf is NULL or points to that many writable bytes, none of them in the message.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_msg_format(const struct protocol_msg *msg,
                   char *buf,

@@ -3,6 +3,14 @@
  * libdeltarobot/protocol.h: frames of the deltarobot message format, specification v1.0.
  *
  * Generated from src/ffi/protocol.rs for these sizes: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
  */
 #ifndef LIBDELTAROBOT_PROTOCOL_H
 #define LIBDELTAROBOT_PROTOCOL_H
@@ -171,7 +179,6 @@ extern "C" {
  *
  * The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
  * empty, so an uninitialised one does no harm.
- *
  */
 struct protocol_data {
   /**
@@ -211,13 +218,21 @@ struct protocol_msg {
 };
 
 /**
- * Writes a whole frame of `bytes` bytes somewhere; `usr` is what `dp_send` was given. `dp_send` returns its result.
+ * Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
  * The frame may be changed, and is gone when the function returns.
+ *
+ * ```c
+ * int uart_send(void *buf, int bytes, void *usr)
+ * {
+ *     return uart_write((struct uart *)usr, buf, bytes) == bytes ? 0 : -1;
+ * }
+ * ```
  */
 typedef int (*send_func_t)(void *buf, int bytes, void *usr);
 
 /**
  * The payload of a status report as the shipped firmware lays it out: 16 bytes with the padding behind STAT.
+ * Displacements are in the firmware's own unit: the specification names none.
  */
 struct protocol_msg_status_report {
   /**
@@ -239,7 +254,7 @@ struct protocol_msg_status_report {
 };
 
 /**
- * The payload of a move request: 12 bytes.
+ * The payload of a move request: 12 bytes, in the unit of status reports.
  */
 struct protocol_msg_position {
   /**
@@ -265,11 +280,16 @@ struct protocol_msg_position {
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
  *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
+ *     ++losses;
+ * ```
+ *
  * # Safety
  *
- * data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is
- * NULL or points to that many readable bytes, none of them in the ring.
- *
+ * Pointers, threads and interrupts: the rules at the head. Not for an interrupt that may come during
+ * another call on the ring: there, bytes go into a queue of the program's own.
  */
 int dp_process(struct protocol_data *data,
                void *buf,
@@ -286,11 +306,15 @@ DP_SIZED("dp_process");
  * needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode`
  * is set to 0xFF and the rest of msg is left as it was.
  *
+ * ```c
+ * struct protocol_msg msg;
+ * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *     handle(&msg);
+ * ```
+ *
  * # Safety
  *
- * Each pointer is NULL or points to a struct that no other thread or interrupt touches during the call; the
- * structs do not overlap.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_recv(struct protocol_data *data,
             struct protocol_msg *msg)
@@ -299,16 +323,21 @@ DP_SIZED("dp_recv");
 /**
  * Sends a message: calls sendfunc once, with the whole frame and usr.
  *
- * The opcode is not checked. sendfunc may call the library on the same message.
+ * The opcode is not checked.
  *
  * Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
  * is outside 0 to `DP_DATA_MAX_SIZE`.
  *
+ * ```c
+ * struct protocol_msg msg;
+ * msg.opcode = DP_OPCODE_HOMING;
+ * msg.data_s = 0;
+ * dp_send(&msg, uart_send, &uart);
+ * ```
+ *
  * # Safety
  *
- * msg is NULL or points to a struct that no other thread or interrupt changes during the call. sendfunc can be called
- * with usr.
- *
+ * Pointers, threads and interrupts: the rules at the head. sendfunc can be called with usr.
  */
 int dp_send(struct protocol_msg *msg,
             send_func_t sendfunc,

@@ -3,6 +3,14 @@
  * libdeltarobot/protocol_ext.h: what the original's API lacks.
  *
  * Generated from src/ffi/protocol_ext.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
  */
 #ifndef LIBDELTAROBOT_PROTOCOL_EXT_H
 #define LIBDELTAROBOT_PROTOCOL_EXT_H
@@ -31,8 +39,16 @@ extern "C" {
 
 
 /**
- * Receives a message from `dp_process_each`; `usr` is what that was given. Any result but 0 stops it.
+ * Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
  * The message is gone when the function returns.
+ *
+ * ```c
+ * int on_msg(const struct protocol_msg *msg, void *usr)
+ * {
+ *     handle(msg);
+ *     return 0;
+ * }
+ * ```
  */
 typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
 
@@ -40,18 +56,21 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
  *
  * Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
- * are in the ring already come first. `on_msg` may call the library on the same ring.
+ * are in the ring already come first.
  *
- * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the rest
- * to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is NULL, bytes
- * is negative, or buf is NULL and bytes is not 0.
+ * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
+ * rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
+ * NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * dp_process_each(&ring, in, got, on_msg, NULL);
+ * ```
  *
  * # Safety
  *
- * data is NULL or points to a ring that no other thread or interrupt touches during the call; buf is NULL or points to
- * that many readable bytes, none of them in the ring, which stay as they are until the call returns. `on_msg` can be
- * called with usr.
- *
+ * Pointers, threads and interrupts: the rules at the head. buf's bytes stay as they are until the call
+ * returns. `on_msg` can be called with usr.
  */
 int dp_process_each(struct protocol_data *data,
                     const void *buf,
@@ -68,13 +87,18 @@ DP_SIZED("dp_process_each");
  * `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
  *
  * Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
- * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode` is set
- * to 0xFF and the rest of msg is left as it was.
+ * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
+ * `opcode` is set to 0xFF and the rest of msg is left as it was.
+ *
+ * ```c
+ * if (now_ms() - heard_at >= 10)
+ *     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
+ *         handle(&msg);
+ * ```
  *
  * # Safety
  *
- * As for `dp_recv`.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_recv_idle(struct protocol_data *data,
                  struct protocol_msg *msg)
@@ -85,18 +109,27 @@ DP_SIZED("dp_recv_idle");
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
  *
+ * ```c
+ * struct protocol_data ring;
+ * dp_init(&ring);
+ * ```
+ *
  * # Safety
  *
- * data is NULL or points to writable memory of a ring's size and alignment.
- *
+ * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_init(struct protocol_data *data)
 DP_SIZED("dp_init");
 
 /**
- * The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's.
+ * The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
  *
  * Returns a string that lives as long as the program.
+ *
+ * ```c
+ * if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
+ *     printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
+ * ```
  */
 const char *dp_version(void);
 

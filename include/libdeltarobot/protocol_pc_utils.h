@@ -1,7 +1,9 @@
-/*
+/**
+ * @file
  * libdeltarobot/protocol_pc_utils.h: messages as text, for C++ programs (C++98 and later) on computers.
  *
- * Source-compatible with the original's header of this name; all of it stands on payload.h.
+ * Source-compatible with the original's header of this name; all of it stands on payload.h, whose rules about pointers,
+ * threads and interrupts hold here too.
  */
 #ifndef LIBDELTAROBOT_PROTOCOL_PC_UTILS_H
 #define LIBDELTAROBOT_PROTOCOL_PC_UTILS_H
@@ -12,13 +14,27 @@
 
 namespace deltarobot {
 
-/* The opcode's name, e.g. "MOVE!"; "UNKNOWN_OPCODE" for others. */
+/**
+ * The opcode's name, e.g. "MOVE!"; "UNKNOWN_OPCODE" for others. The string lives as long as the program.
+ *
+ * ```cpp
+ * std::cout << deltarobot::protocol_opcode_to_str(msg.opcode) << '\n';
+ * ```
+ */
 inline const char *protocol_opcode_to_str(unsigned char opcode)
 {
     return dp_opcode_name(opcode);
 }
 
-/* The message as a line of text, e.g. "ACK: (MOVE!)"; empty for a null pointer. */
+/**
+ * The message as a line of text without a line's end, e.g. "ACK: (MOVE!)"; empty for a null pointer. Throws nothing but
+ * what std::string does when there is no memory: not for interrupts.
+ *
+ * ```cpp
+ * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *     std::cout << deltarobot::protocol_msg_to_str(&msg) << '\n';
+ * ```
+ */
 inline std::string protocol_msg_to_str(const protocol_msg *msg)
 {
     char text[DP_MSG_TEXT_MAX];

@@ -1,9 +1,9 @@
 //! The controller's end of the link: what to do about a request, and what to answer.
 //!
-//! A [`Dispatcher`] calls nothing and sends nothing. Firmware (through [`crate::ffi::controller`]) goes through a request in
-//! steps: [`order`](Dispatcher::order) takes it out of the ring, [`judge`](Dispatcher::judge) looks at it in the light of
-//! the platform's state, and if that asks for it, the motors are started and [`began`](Dispatcher::began) is told. In
-//! between nothing is borrowed, so the firmware's functions may use the controller themselves.
+//! A [`Dispatcher`] calls nothing and sends nothing. Firmware (through [`crate::ffi::controller`]) goes through a
+//! request in steps: [`order`](Dispatcher::order) takes it out of the ring, [`judge`](Dispatcher::judge) looks at it in
+//! the light of the platform's state, and if that asks for it, the motors are started and [`began`](Dispatcher::began)
+//! is told. In between nothing is borrowed, so the firmware's functions may use the controller themselves.
 //!
 //! The answers are those of the shipped firmware, which checks in this order:
 //!

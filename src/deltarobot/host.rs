@@ -1,44 +1,45 @@
 //! The host's end of the link: requests go in, outcomes come out.
 //!
 //! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
-//! events. It keeps no queue but the ring: [`poll`](Host::poll) takes one frame out at a time, and the next only when all
-//! that the last one meant has been told.
+//! events. It keeps no queue but the ring: [`poll`](Host::poll) takes one frame out at a time, and the next only when
+//! all that the last one meant has been told.
 //!
 //! # What can be relied on
 //!
 //! The protocol numbers nothing: an ack says which opcode it answers, not which request. So what a frame means depends
-//! on when it was sent, and that is known from two properties of a serial line: it keeps the order of bytes, and what it
-//! delivers at all it delivers soon, the answer to a request within [`Settings::guard_ms`]. Where both hold, and no damaged
-//! frame passes for an intact one (with a checksum of 8 bits one in some hundred does), each request ends
-//! exactly once, and as finished only if it was carried out. One gap remains: that homing was ended by an error, which was
-//! cleared while no report got through, shows only if the position is unknown then.
+//! on when it was sent, and that is known from two properties of a serial line: it keeps the order of bytes, and what
+//! it delivers at all it delivers soon, the answer to a request within [`Settings::guard_ms`]. Where both hold, and no
+//! damaged frame passes for an intact one (with a checksum of 8 bits one in some hundred does), each request ends
+//! exactly once, and as finished only if it was carried out. One gap remains: that homing was ended by an error, which
+//! was cleared while no report got through, shows only if the position is unknown then.
 //!
 //! # A request
 //!
-//! is sent, and again when no answer came in [`Settings::ack_ms`], up to [`Settings::attempts`] times. The specification asks for
-//! this "depending on the opcode". Here every request is repeated, since carrying one out twice is no harm: a
-//! move goes to an absolute position, homing and cancelling end in one state, asking changes nothing. But an operation is
-//! not repeated any more once its cancelling was requested, or an error was reported: that would move the robot against
-//! the user's will.
+//! is sent, and again when no answer came in [`Settings::ack_ms`], up to [`Settings::attempts`] times. The
+//! specification asks for this "depending on the opcode". Here every request is repeated, since carrying one out twice
+//! is no harm: a move goes to an absolute position, homing and cancelling end in one state, asking changes nothing. But
+//! an operation is not repeated any more once its cancelling was requested, or an error was reported: that would move
+//! the robot against the user's will.
 //!
 //! - Accepted: its ack came. What was received before belongs to an older operation and ends nothing.
 //! - Refused: its nack came. After a repeat that may be because the first request, whose ack was lost, is being carried
 //!   out: then the state decides.
 //! - Unanswered: it has timed out, unless reports of homing or moving, or of standing at the target after having stood
-//!   elsewhere, have shown that only the answers are lost. Then it counts as accepted, but its end is believed from status
-//!   reports alone.
+//!   elsewhere, have shown that only the answers are lost. Then it counts as accepted, but its end is believed from
+//!   status reports alone.
 //!
-//! A next operation waits until no answer to the last can come any more, unless that was sent once and accepted and
-//! the line does not double frames ([`Settings::doubles`]). A cancel request waits for nothing; answers that may be those of an older one are ignored, and it is repeated.
+//! A next operation waits until no answer to the last can come any more, unless that was sent once and accepted and the
+//! line does not double frames ([`Settings::doubles`]). A cancel request waits for nothing; answers that may be those
+//! of an older one are ignored, and it is repeated.
 //!
 //! # An accepted operation
 //!
 //! ends by
 //!
 //! - `h` or `m` (the specification);
-//! - a report of IDLE (shipped firmware), if homing or moving was reported since the ack, or [`Settings::settle_ms`] has passed:
-//!   directly behind the ack the motors may not run yet. The operation is finished if the position is known and, of
-//!   a move, the target; else it has failed (a controller that was reset is idle too);
+//! - a report of IDLE (shipped firmware), if homing or moving was reported since the ack, or [`Settings::settle_ms`]
+//!   has passed: directly behind the ack the motors may not run yet. The operation is finished if the position is known
+//!   and, of a move, the target; else it has failed (a controller that was reset is idle too);
 //! - a report of ERROR, or `e`: it has failed;
 //! - its cancelling: cancelled, as soon as IDLE is reported;
 //! - silence, or by lasting too long: timed out.
@@ -175,8 +176,8 @@ impl Host {
         Ok(())
     }
 
-    /// Requests that the operation going on be cancelled. Without one it is requested all the same, since the controller
-    /// may have got one from elsewhere.
+    /// Requests that the operation going on be cancelled. Without one it is requested all the same, since the
+    /// controller may have got one from elsewhere.
     ///
     /// # Errors
     ///
@@ -223,7 +224,8 @@ impl Host {
         &self.health
     }
 
-    /// Takes received bytes, as many as there is room for, and tells how many that were. [`poll`](Self::poll) makes room.
+    /// Takes received bytes, as many as there is room for, and tells how many that were. [`poll`](Self::poll) makes
+    /// room.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
         self.link.receive(input, now, &mut self.health)
     }
@@ -243,7 +245,8 @@ impl Host {
             let mut head = [0; PAYLOAD_MAX];
             let gap = self.settings.gap();
             let Some((opcode, length)) = self.link.next(now, gap, &mut head, data, &mut self.health) else {
-                // Only now: what is received already is no answer to what is sent next, and may end what would time out.
+                // Only now: what is received already is no answer to what is sent next, and may end what would time
+                // out.
                 self.look_at_the_time(now);
                 return self.event();
             };

@@ -10,9 +10,9 @@ const REPORT_SIZE: usize = 13;
 /// Where STAT stands in a status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Layout {
-    /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes are [`Spec`](Self::Spec)'s unless only the
-    /// last byte, and not the first, can be STAT. A byte can be STAT when its reserved bits are alike: zero as
-    /// this library sends them, or one as shipped firmware does.
+    /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes are [`Spec`](Self::Spec)'s unless only
+    /// the last byte, and not the first, can be STAT. A byte can be STAT when its reserved bits are alike: zero as this
+    /// library sends them, or one as shipped firmware does.
     ///
     /// Writing: as [`Firmware`](Self::Firmware), which no reader takes for anything else.
     #[default]

@@ -1,8 +1,8 @@
-//! Short ways for what happens most, on hosts: bytes that come one by one, frames that lie in one piece. Each does what the
-//! long way in `ring.rs` would have done, or declines and changes nothing.
+//! Short ways for what happens most, on hosts: bytes that come one by one, frames that lie in one piece. Each does what
+//! the long way in `ring.rs` would have done, or declines and changes nothing.
 //!
-//! What they know comes from the fields as they are, in range or not, and from bytes that may be stale. So each answer rests
-//! on a check of `used` that leaves no other reading.
+//! What they know comes from the fields as they are, in range or not, and from bytes that may be stale. So each answer
+//! rests on a check of `used` that leaves no other reading.
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
 use super::ring::{Candidate, NoFrame, Ring, int, wrap};
@@ -62,8 +62,8 @@ impl Ring {
         }
     }
 
-    /// Judges what the ring starts with: a head; one whose rest is waited for; garbage. `None` when it takes more than a
-    /// glance.
+    /// Judges what the ring starts with: a head; one whose rest is waited for; garbage. `None` when it takes more than
+    /// a glance.
     #[inline(always)]
     pub(crate) fn glance(&self) -> Option<Result<Whole, NoFrame>> {
         let start = self.start.cast_unsigned() as usize;
@@ -75,7 +75,8 @@ impl Ring {
         if first == FRAME_START {
             let (limit, length) = (limit(Opcode(opcode)), usize::from(length));
             if length < limit {
-                // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest.
+                // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the
+                // rest.
                 if used < length.wrapping_add(FRAME_OVERHEAD) {
                     return Some(Err(NoFrame::Waiting));
                 }
@@ -88,8 +89,8 @@ impl Ring {
         Some(Err(if used == 0 { NoFrame::Waiting } else { NoFrame::Garbage }))
     }
 
-    /// Takes the frame that [`glance`](Self::glance) saw, or finds that its first byte is garbage. `None` when it lies across
-    /// the ring's end.
+    /// Takes the frame that [`glance`](Self::glance) saw, or finds that its first byte is garbage. `None` when it lies
+    /// across the ring's end.
     #[inline(always)]
     pub(crate) fn take(&mut self, start: usize, opcode: u8, length: usize) -> Option<Result<Frame<'_>, NoFrame>> {
         let size = length.wrapping_add(FRAME_OVERHEAD);
@@ -103,8 +104,8 @@ impl Ring {
         Some(Ok(self.take_out(start, used, Opcode(opcode), length)))
     }
 
-    /// Judges what the ring starts with, wherever that lies. `None` when its checksum is needed, or the start is out of range:
-    /// with more bytes than a ring has, none is waited for.
+    /// Judges what the ring starts with, wherever that lies. `None` when its checksum is needed, or the start is out of
+    /// range: with more bytes than a ring has, none is waited for.
     #[inline(always)]
     pub(crate) fn look(&self) -> Option<NoFrame> {
         let start = self.start.cast_unsigned() as usize;
@@ -157,8 +158,8 @@ impl Ring {
         self.byte(begin.wrapping_add(length)) == bytes::add_up(bytes::add_up(sum_of_head(opcode, length), first), rest)
     }
 
-    /// Passes over the byte at the start, known to begin no frame, and over what is garbage behind it, as far as no checksum
-    /// is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
+    /// Passes over the byte at the start, known to begin no frame, and over what is garbage behind it, as far as no
+    /// checksum is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
     #[inline(always)]
     pub(crate) fn pass(&mut self) -> Result<usize, NoFrame> {
         let mut start = self.start.cast_unsigned() as usize;

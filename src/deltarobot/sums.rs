@@ -8,9 +8,9 @@ use super::shortcut::pieces;
 /// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
 const AHEAD: usize = FRAME_MAX.wrapping_mul(4);
 
-/// The sums that one search needs. Complete candidates may overlap, so that a byte stands in many of them; but however many
-/// fail, the search takes a time that grows with the ring's size alone: the first is summed as it is, and for those behind it
-/// running sums are made, of which two tell the sum between them.
+/// The sums that one search needs. Complete candidates may overlap, so that a byte stands in many of them; but however
+/// many fail, the search takes a time that grows with the ring's size alone: the first is summed as it is, and for
+/// those behind it running sums are made, of which two tell the sum between them.
 #[derive(Default)]
 pub(super) struct Sums(Option<Running>);
 

@@ -1,4 +1,6 @@
 //! `controller.h`: the dispatcher of a controller's firmware.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
@@ -22,17 +24,46 @@ pub const DP_CONTROLLER_TELL_ERROR: c_int = 4;
 
 /// Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
 /// `DP_STATUS_HOMING`.
+///
+/// ```c
+/// int start_homing(void *usr)
+/// {
+///     return motors_home();
+/// }
+/// ```
 pub type HomeFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
 /// Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
 /// end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+///
+/// ```c
+/// int start_move(const struct protocol_msg_position *target, void *usr)
+/// {
+///     return motors_move(target->DA, target->DB, target->DC);
+/// }
+/// ```
 pub type MoveFunc = Option<unsafe extern "C" fn(target: *const Position, usr: *mut c_void) -> c_int>;
 /// Begins to stop. Returns 0, or anything else to refuse.
+///
+/// ```c
+/// int stop(void *usr)
+/// {
+///     return motors_stop();
+/// }
+/// ```
 pub type CancelFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
 /// Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
+///
+/// ```c
+/// void read_status(struct protocol_msg_status_report *report, void *usr)
+/// {
+///     motors_where(&report->DA, &report->DB, &report->DC);
+///     report->STAT = (unsigned char)(motors_state() | (stop_a_is_pressed() ? DP_BIT_STAT_STOP_A_BIT : 0));
+/// }
+/// ```
 pub type ReadFunc = Option<unsafe extern "C" fn(report: *mut StatusReport, usr: *mut c_void)>;
 
-/// The firmware's own functions. Each is given usr, and may call the library on the same controller. What `home`, `move` or
-/// `cancel` would do is refused where they are NULL; `read` and `send` are needed.
+/// The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
+/// NULL; `read` and `send` are needed.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Calls {
@@ -78,16 +109,23 @@ const _: () = {
 
 /// Makes a controller of any memory.
 ///
-/// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both, it
-/// answers like shipped firmware.
+/// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
+/// 0 for both, it answers like shipped firmware.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`, the layout is
-/// none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for `DP_LAYOUT_SPEC`).
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
+/// the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
+/// `DP_LAYOUT_SPEC`).
+///
+/// ```c
+/// static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
+/// static struct dp_controller controller;
+/// dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
+/// ```
 ///
 /// # Safety
 ///
-/// controller is NULL or points to writable memory of its size and alignment. calls is NULL or points to functions that
-/// can be called with usr; it stays there as long as the controller is used.
+/// Pointers, threads and interrupts: the rules at the head. calls' functions can be called with usr; calls
+/// stays there as long as the controller is used.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_controller_init")
 #[unsafe(no_mangle)]
@@ -114,16 +152,23 @@ pub unsafe extern "C" fn dp_controller_init(
 }
 sized_alias!(dp_controller_init(controller: *mut Controller, calls: *const Calls, usr: *mut c_void, layout: c_int, flags: c_int) -> c_int);
 
-/// Takes received bytes. Not for interrupts that may come during another call on the same controller.
+/// Takes received bytes.
 ///
 /// When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL, bytes is
-/// negative, or buf is NULL and bytes is not 0.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL,
+/// bytes is negative, or buf is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// if (dp_controller_receive(&controller, in, got) == DP_RC_OVERFLOW)
+///     ++losses;
+/// ```
 ///
 /// # Safety
 ///
-/// controller is NULL or was made by `dp_controller_init`; buf is NULL or points to that many readable bytes.
+/// As for `dp_controller_poll`. Not for an interrupt that may come during another call on the controller: there, bytes
+/// go into a queue of the firmware's own.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_controller_receive")
 #[unsafe(no_mangle)]
@@ -143,12 +188,18 @@ sized_alias!(dp_controller_receive(controller: *mut Controller, buf: *const c_vo
 
 /// Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
 ///
-/// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
-/// NULL or was not made by `dp_controller_init`.
+/// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
+/// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+///
+/// ```c
+/// while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+///     ;
+/// ```
 ///
 /// # Safety
 ///
-/// controller is NULL, or was made by `dp_controller_init` or is all zero.
+/// Pointers, threads and interrupts: the rules at the head. controller was made by `dp_controller_init` or
+/// is all zero.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_controller_poll")
 #[unsafe(no_mangle)]
@@ -158,10 +209,15 @@ pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_in
 }
 sized_alias!(dp_controller_poll(controller: *mut Controller) -> c_int);
 
-/// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would be waited for
-/// until enough bytes have come, are given up (see `dp_recv_idle`).
+/// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
+/// be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
 ///
 /// Returns what `dp_controller_poll` does.
+///
+/// ```c
+/// if (now_ms() - heard_at >= 10)
+///     dp_controller_poll_idle(&controller);
+/// ```
 ///
 /// # Safety
 ///
@@ -178,6 +234,11 @@ sized_alias!(dp_controller_poll_idle(controller: *mut Controller) -> c_int);
 /// Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+///
+/// ```c
+/// if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
+///     dp_controller_report(&controller);
+/// ```
 ///
 /// # Safety
 ///

@@ -1,4 +1,6 @@
 //! `host.h`: the host's end of the link.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
@@ -50,7 +52,8 @@ pub const DP_HOST_OUTPUT_MAX: c_int = 27;
 pub struct HostEvent {
     /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
     pub kind: c_int,
-    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
+    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
+    /// `STATUS`.
     pub opcode: c_uchar,
     /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
     pub outcome: c_int,
@@ -123,9 +126,15 @@ const _: () = {
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
+/// ```c
+/// struct dp_host_settings settings = {0};
+/// settings.messages = 1;
+/// dp_host_init(&host, &settings);
+/// ```
+///
 /// # Safety
 ///
-/// host is NULL or points to writable memory of its size and alignment; settings is NULL or points to settings.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_init")
 #[unsafe(no_mangle)]
@@ -148,9 +157,15 @@ sized_alias!(dp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
+/// ```c
+/// if (dp_host_home(&host) == DP_RC_BUSY)
+///     puts("first, DP_HOST_ENDED has to come");
+/// ```
+///
 /// # Safety
 ///
-/// host is NULL, or was begun by `dp_host_init` or is all zero.
+/// Pointers, threads and interrupts: the rules at the head. host was begun by `dp_host_init` or is all
+/// zero.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_home")
 #[unsafe(no_mangle)]
@@ -162,12 +177,18 @@ sized_alias!(dp_host_home(host: *mut Host) -> c_int);
 
 /// Requests a move to a position. The end comes as an event.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a coordinate
-/// is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is
+/// NULL, a coordinate is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
+///
+/// ```c
+/// const struct protocol_msg_position target = {1, 2, -3.5f};
+/// if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
+///     puts("no robot can go there");
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_host_home`; target is NULL or points to a position.
+/// As for `dp_host_home`.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_move")
 #[unsafe(no_mangle)]
@@ -183,10 +204,16 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
 }
 sized_alias!(dp_host_move(host: *mut Host, target: *const Position) -> c_int);
 
-/// Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it, the operation
-/// when the platform stands. Without an operation it is requested all the same.
+/// Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
+/// the operation when the platform stands. Without an operation it is requested all the same.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is
+/// NULL.
+///
+/// ```c
+/// if (stop_is_pressed())
+///     dp_host_cancel(&host);
+/// ```
 ///
 /// # Safety
 ///
@@ -202,7 +229,13 @@ sized_alias!(dp_host_cancel(host: *mut Host) -> c_int);
 
 /// Requests a status report. It ends with the next report that is received.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is NULL.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is
+/// NULL.
+///
+/// ```c
+/// if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
+///     asked_at = now_ms();
+/// ```
 ///
 /// # Safety
 ///
@@ -218,15 +251,19 @@ sized_alias!(dp_host_status(host: *mut Host) -> c_int);
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
-/// Times are milliseconds of any clock that does not go back. Their lowest 32 bits count, and may wrap.
-///
 /// Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
-/// `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes
-/// is not 0.
+/// `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf
+/// is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// for (int taken = 0; taken < got; handle_events(&host))
+///     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_host_home`; buf is NULL or points to that many readable bytes, none of them in the session.
+/// As for `dp_host_home`.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_receive")
 #[unsafe(no_mangle)]
@@ -239,15 +276,22 @@ pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, by
 }
 sized_alias!(dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
-/// Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until there is none; what is to
-/// be sent after that tells `dp_host_output`.
+/// Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
+/// there is none; what is to be sent after that tells `dp_host_output`.
 ///
-/// Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or `DP_RC_ERROR_GENERIC` when a
-/// pointer is NULL.
+/// Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
+/// `DP_RC_ERROR_GENERIC` when a pointer is NULL.
+///
+/// ```c
+/// struct dp_host_event event;
+/// while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+///     if (event.kind == DP_HOST_ENDED)
+///         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_host_home`; event is NULL or points to writable memory of its size and alignment, outside the session.
+/// As for `dp_host_home`.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_poll")
 #[unsafe(no_mangle)]
@@ -266,15 +310,22 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 }
 sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
 
-/// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave. To be called
-/// after `dp_host_poll`.
+/// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
+/// To be called after `dp_host_poll`.
 ///
 /// Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
 /// -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
+/// ```c
+/// char out[DP_HOST_OUTPUT_MAX];
+/// int length = dp_host_output(&host, out, sizeof out, now_ms());
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_host_home`; buf is NULL or points to that many writable bytes outside the session.
+/// As for `dp_host_home`.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_host_output")
 #[unsafe(no_mangle)]
@@ -301,10 +352,14 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
 }
 sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
-/// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and the output was
-/// fetched: what it returns is then what poll(2) takes as time-out.
+/// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
+/// the output was fetched: what it returns is then what poll(2) takes as time-out.
 ///
-/// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+/// Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
+///
+/// ```c
+/// wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
+/// ```
 ///
 /// # Safety
 ///
@@ -319,7 +374,14 @@ pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulon
 }
 sized_alias!(dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
 
-/// Whether an operation is going on: 1, or 0, also when host is NULL.
+/// Whether an operation is going on.
+///
+/// Returns 1, or 0, also when host is NULL.
+///
+/// ```c
+/// if (!dp_host_busy(&host))
+///     dp_host_home(&host);
+/// ```
 ///
 /// # Safety
 ///
@@ -333,7 +395,15 @@ pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
 }
 sized_alias!(dp_host_busy(host: *const Host) -> c_int);
 
-/// How the link does: NULL when host is, else counters that live and change with the session.
+/// How the link does.
+///
+/// Returns counters that live and change with the session, or NULL when host is.
+///
+/// ```c
+/// const struct dp_host_health *health = dp_host_get_health(&host);
+/// if (health->rtt_count > 0)
+///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+/// ```
 ///
 /// # Safety
 ///

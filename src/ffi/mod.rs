@@ -16,8 +16,15 @@
 //! programs compiled with the original's header, and under a name that tells the sizes, for those
 //! compiled with ours, so that a program and a library of different sizes do not link.
 
+pub mod contouring_protocol;
 pub mod controller;
+pub mod gx;
+pub mod gx_host;
+pub mod gx_motion;
 pub mod host;
+pub mod line_device;
+pub mod line_host;
+pub mod line_protocol;
 mod memory;
 pub mod payload;
 pub mod protocol;
@@ -25,11 +32,12 @@ pub mod protocol_ext;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
 
-/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`; `olp:` or `gx:` in front of it says
-/// that they are those of another family.
+/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`; `olp:` or `gx:` in front of it
+/// says that they are those of another family.
 ///
-/// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes one
-/// of two equal functions, so that they are two symbols at one address. Without it, the second export calls the first.
+/// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes
+/// one of two equal functions, so that they are two symbols at one address. Without it, the second export calls the
+/// first.
 macro_rules! sized_alias {
     (olp: $($signature:tt)*) => {
         $crate::ffi::sized_alias!("OLP_SIZES", $($signature)*);

@@ -1,4 +1,6 @@
 //! `payload.h`: what the messages of the specification (section "Opcodes") say.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_uchar};
 use core::mem::align_of;
@@ -16,8 +18,8 @@ use crate::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX, Report, describe};
 pub const DP_LAYOUT_AUTO: c_int = 0;
 /// Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
 pub const DP_LAYOUT_SPEC: c_int = 1;
-/// Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length from
-/// 13 on is read.
+/// Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
+/// from 13 on is read.
 pub const DP_LAYOUT_FIRMWARE: c_int = 2;
 
 /// Size of a buffer that the text of any message fits in.
@@ -30,13 +32,21 @@ const _: () = {
     assert!(align_of::<StatusReport>() == align_of::<Position>());
 };
 
-/// Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or `GENERAL_ERR`.
+/// Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
+/// `GENERAL_ERR`.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
+/// left as it was.
+///
+/// ```c
+/// struct protocol_msg msg;
+/// if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
+///     dp_send(&msg, uart_send, &uart);
+/// ```
 ///
 /// # Safety
 ///
-/// msg is NULL or points to a writable message, which may be uninitialised.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_build")
 #[unsafe(no_mangle)]
@@ -46,13 +56,19 @@ pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_i
 }
 sized_alias!(dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int);
 
-/// Makes an acknowledgement of the request with the opcode answered.
+/// Makes an acknowledgement of the request with the opcode answered, which is not checked.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
 ///
+/// ```c
+/// struct protocol_msg answer;
+/// dp_build_ack(&answer, msg.opcode);
+/// dp_send(&answer, uart_send, &uart);
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_build`.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_build_ack")
 #[unsafe(no_mangle)]
@@ -62,13 +78,19 @@ pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) 
 }
 sized_alias!(dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 
-/// Makes a refusal of the request with the opcode answered.
+/// Makes a refusal of the request with the opcode answered, which is not checked.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
 ///
+/// ```c
+/// struct protocol_msg answer;
+/// dp_build_nack(&answer, DP_OPCODE_MOVE);
+/// dp_send(&answer, uart_send, &uart);
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_build`.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_build_nack")
 #[unsafe(no_mangle)]
@@ -80,11 +102,18 @@ sized_alias!(dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 
 /// Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
+/// left as it was.
+///
+/// ```c
+/// const struct protocol_msg_position target = {1, 2, -3.5f};
+/// if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
+///     dp_send(&msg, uart_send, &uart);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_build`; target is NULL or points to a position.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_build_move")
 #[unsafe(no_mangle)]
@@ -98,14 +127,21 @@ pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Pos
 }
 sized_alias!(dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int);
 
-/// Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become zero.
+/// Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
+/// zero.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or `DP_DATA_MAX_SIZE`
-/// is below the 16 or 13 bytes that it takes.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
+/// `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.
+///
+/// ```c
+/// const struct protocol_msg_status_report report = {1, 2, -3.5f, DP_STATUS_IDLE | DP_BIT_STAT_STOP_A_BIT};
+/// if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
+///     dp_send(&msg, uart_send, &uart);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_build`; report is NULL or points to a status report.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_build_status_report")
 #[unsafe(no_mangle)]
@@ -127,9 +163,15 @@ sized_alias!(dp_build_status_report(msg: *mut ProtocolMsg, report: *const Status
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
 ///
+/// ```c
+/// while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+///     if (dp_msg_check(&msg) == DP_RC_SUCCESS)
+///         handle(&msg);
+/// ```
+///
 /// # Safety
 ///
-/// msg is NULL or points to a message.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_msg_check")
 #[unsafe(no_mangle)]
@@ -144,12 +186,18 @@ sized_alias!(dp_msg_check(msg: *const ProtocolMsg) -> c_int);
 
 /// Reads from an ack or a nack which opcode it answers.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long, or a pointer is
-/// NULL.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long,
+/// or a pointer is NULL.
+///
+/// ```c
+/// unsigned char answered;
+/// if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
+///     printf("refused: %s\n", dp_opcode_name(answered));
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_msg_check`; answered is NULL or points to a writable byte.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_read_answer")
 #[unsafe(no_mangle)]
@@ -165,12 +213,18 @@ sized_alias!(dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> 
 
 /// Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a
-/// pointer is NULL.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12
+/// bytes long, or a pointer is NULL.
+///
+/// ```c
+/// struct protocol_msg_position target;
+/// if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
+///     motors_move(target.DA, target.DB, target.DC);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_msg_check`; target is NULL or points to a writable position.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_read_move")
 #[unsafe(no_mangle)]
@@ -188,12 +242,18 @@ sized_alias!(dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_i
 /// Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
 /// signalling one from shipped firmware. Reserved bits of STAT are cleared.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a length that the
-/// layout does not have, the layout is none of these, or a pointer is NULL.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a
+/// length that the layout does not have, the layout is none of these, or a pointer is NULL.
+///
+/// ```c
+/// struct protocol_msg_status_report report;
+/// if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
+///     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_msg_check`; report is NULL or points to a writable status report.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_read_status_report")
 #[unsafe(no_mangle)]
@@ -215,10 +275,14 @@ pub unsafe extern "C" fn dp_read_status_report(
 }
 sized_alias!(dp_read_status_report(msg: *const ProtocolMsg, layout: c_int, report: *mut StatusReport) -> c_int);
 
-/// The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`,
-/// `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`.
+/// The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
+/// `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`. Can be called at any time.
 ///
 /// Returns a string that lives as long as the program.
+///
+/// ```c
+/// printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
+/// ```
 #[unsafe(no_mangle)]
 pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
     Opcode(opcode).name().as_ptr()
@@ -228,14 +292,21 @@ pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
 ///
 /// snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
 /// nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
-/// them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
+/// them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not
+/// shown.
 ///
-/// Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is negative, or buf
-/// is NULL and cap is not 0.
+/// Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
+/// negative, or buf is NULL and cap is not 0.
+///
+/// ```c
+/// char text[DP_MSG_TEXT_MAX];
+/// if (dp_msg_format(&msg, text, sizeof text) > 0)
+///     puts(text);
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_msg_check`; buf is NULL or points to that many writable bytes, none of them in the message.
+/// Pointers, threads and interrupts: the rules at the head.
 ///
 /// cbindgen:postfix=DP_SIZED("dp_msg_format")
 #[unsafe(no_mangle)]

@@ -220,8 +220,8 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     unsafe { recv_any(data, msg, false, 0) }
 }
 
-/// The next message of a ring that there is. On hosts what takes more than a glance is left to functions of their own: every
-/// register that their loops need would have to be saved by all calls.
+/// The next message of a ring that there is. On hosts what takes more than a glance is left to functions of their own:
+/// every register that their loops need would have to be saved by all calls.
 ///
 /// # Safety
 ///
@@ -397,7 +397,8 @@ unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c
         return DP_RC_ERROR_GENERIC;
     };
     let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
-    // SAFETY: not NULL, so a message by the contract of dp_send; the slice is not used any more when sendfunc is called.
+    // SAFETY: not NULL, so a message by the contract of dp_send; the slice is not used any more when sendfunc is
+    // called.
     let encoded = unsafe {
         let length = (*msg).data_s;
         if !(0..=const { int(DP_DATA_MAX_SIZE) }).contains(&length) {

@@ -1,4 +1,6 @@
 //! `serial.h`: the serial port.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 
@@ -11,19 +13,26 @@ pub const DP_RC_DEVICE: c_int = 7;
 /// How long `dp_serial_send` waits for room, in milliseconds.
 pub const DP_SERIAL_SEND_MS: c_long = 1000;
 
-/// Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
+/// Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as
+/// they are.
 ///
-/// baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long as it is
-/// open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal, otherwise.
-/// What was received before is thrown away.
+/// baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long
+/// as it is open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal,
+/// otherwise. What was received before is thrown away.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device is NULL.
-/// When it did not succeed, the port is closed: it need not be, but can be, closed.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
+/// is NULL. When it did not succeed, the port is closed: it need not be, but can be, closed.
+///
+/// ```c
+/// struct dp_serial port;
+/// if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
+///     fprintf(stderr, "%s\n", dp_serial_error(&port));
+/// ```
 ///
 /// # Safety
 ///
-/// serial is NULL or points to writable memory of its size and alignment, which may be uninitialised. A port that is open
-/// must be closed first: else its file descriptor is lost. device is NULL or a string.
+/// Pointers, threads and interrupts: the rules at the head. device is NULL or a string. A port that is open
+/// must be closed first: else its file descriptor is lost.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char, baud: c_ulong) -> c_int {
     if serial.is_null() {
@@ -42,12 +51,19 @@ pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
 /// negative), or until a signal was handled.
 ///
-/// Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it received before
-/// that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf is NULL and cap is not 0.
+/// Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it
+/// received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf
+/// is NULL and cap is not 0.
+///
+/// ```c
+/// int got = dp_serial_read(&port, in, sizeof in, 100);
+/// if (got > 0)
+///     dp_process(&ring, in, got);
+/// ```
 ///
 /// # Safety
 ///
-/// serial is NULL, was opened, or is all zero; buf is NULL or points to that many writable bytes outside of it.
+/// Pointers, threads and interrupts: the rules at the head. serial was opened or is all zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap: c_int, timeout_ms: c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
@@ -58,14 +74,22 @@ pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap
     }
 }
 
-/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't end it.
+/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't
+/// end it.
 ///
-/// Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device has
-/// disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
+/// Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
+/// has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes
+/// is not 0.
+///
+/// ```c
+/// int written = dp_serial_write(&port, out, length, 1000);
+/// if (written >= 0 && written < length)
+///     puts("nobody reads at the other end");
+/// ```
 ///
 /// # Safety
 ///
-/// serial is NULL, was opened, or is all zero; buf is NULL or points to that many readable bytes outside of it.
+/// As for `dp_serial_read`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_write(
     serial: *mut Port,
@@ -81,14 +105,19 @@ pub unsafe extern "C" fn dp_serial_write(
     }
 }
 
-/// Writes all bytes within `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port: `dp_send(&msg, dp_serial_send, &port)`.
+/// Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
 /// `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
 ///
+/// ```c
+/// if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
+///     fprintf(stderr, "%s\n", dp_serial_error(&port));
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_serial_write`, usr being the port.
+/// As for `dp_serial_read`, usr being the port.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int {
     // SAFETY: as the contract of this function asks.
@@ -99,13 +128,20 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
     }
 }
 
-/// Waits until all that was written was sent.
+/// Waits until all that was written was sent, however long that takes. Signals don't end it.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or not open.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
+/// NULL or not open.
+///
+/// ```c
+/// dp_serial_send(out, length, &port);
+/// if (dp_serial_drain(&port) == DP_RC_SUCCESS)
+///     sent_at = now_ms();
+/// ```
 ///
 /// # Safety
 ///
-/// serial is NULL, was opened, or is all zero.
+/// As for `dp_serial_read`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
@@ -119,9 +155,14 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
 ///
 /// Returns what `dp_serial_drain` does.
 ///
+/// ```c
+/// if (dp_serial_discard(&port) == DP_RC_SUCCESS)
+///     memset(&ring, 0, sizeof ring);
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_serial_drain`.
+/// As for `dp_serial_read`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_discard(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
@@ -135,9 +176,14 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Port) -> c_int {
 ///
 /// Returns `DP_RC_SUCCESS`, also when it was not open, or `DP_RC_ERROR_GENERIC` when serial is NULL.
 ///
+/// ```c
+/// dp_serial_drain(&port);
+/// dp_serial_close(&port);
+/// ```
+///
 /// # Safety
 ///
-/// As for `dp_serial_drain`.
+/// As for `dp_serial_read`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
@@ -152,12 +198,17 @@ pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
 
 /// The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
 ///
-/// Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial is
-/// NULL.
+/// Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial
+/// is NULL.
+///
+/// ```c
+/// if (dp_serial_read(&port, in, sizeof in, 100) < 0)
+///     fprintf(stderr, "%s\n", dp_serial_error(&port));
+/// ```
 ///
 /// # Safety
 ///
-/// As for `dp_serial_drain`.
+/// As for `dp_serial_read`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_serial_error(serial: *const Port) -> *const c_char {
     // SAFETY: as the contract of this function asks.

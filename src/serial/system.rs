@@ -59,8 +59,8 @@ pub(super) fn release(fd: Descriptor) {
     }
 }
 
-/// Changes settings to 8 data bits, no parity, one stop bit, no flow control, no regard for the modem's lines, and bytes
-/// passed on as they are. A read ends with the first byte.
+/// Changes settings to 8 data bits, no parity, one stop bit, no flow control, no regard for the modem's lines, and
+/// bytes passed on as they are. A read ends with the first byte.
 pub(super) fn make_raw(settings: &mut Settings, speed: libc::speed_t) {
     settings.c_iflag &= !(libc::IGNBRK | libc::BRKINT | libc::PARMRK | libc::ISTRIP | libc::INPCK);
     settings.c_iflag &= !(libc::INLCR | libc::IGNCR | libc::ICRNL | libc::IXON | libc::IXOFF | libc::IXANY);
@@ -188,8 +188,8 @@ pub(super) fn write(fd: Descriptor, bytes: &[u8]) -> Result<usize, Errno> {
     usize::try_from(put).map_err(|_| errno())
 }
 
-/// Waits until reading (`POLLIN`) or writing (`POLLOUT`) is possible or the device is gone, at most so many milliseconds,
-/// or for ever if negative. Returns what happened, 0 if nothing did.
+/// Waits until reading (`POLLIN`) or writing (`POLLOUT`) is possible or the device is gone, at most so many
+/// milliseconds, or for ever if negative. Returns what happened, 0 if nothing did.
 pub(super) fn wait(fd: Descriptor, events: c_short, timeout_ms: c_int) -> Result<c_short, Errno> {
     let mut polled = libc::pollfd { fd, events, revents: 0 };
     // SAFETY: it is one.

@@ -1,6 +1,6 @@
 /*
- * UART0 (pins PA0, PA1) and SysTick of a TM4C123 or an LM3S6965, straight from reset: both run on their internal oscillator.
- * Register names are those of the TM4C123GH6PM data sheet.
+ * UART0 (pins PA0, PA1) and SysTick of a TM4C123 or an LM3S6965, straight from reset: both run on their internal
+ * oscillator. Register names are those of the TM4C123GH6PM data sheet.
  */
 #include "../board.h"
 #include "../fifo.h"

@@ -1,165 +1,170 @@
-//! Frames, and what lies between them.
+//! What passes on a line, taken apart: messages, and what lies between them. A file for each protocol.
 
-use std::collections::{BTreeMap, VecDeque};
+pub(crate) mod deltarobot;
+pub(crate) mod gx;
+pub(crate) mod line;
 
-use deltarobot::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
-use deltarobot::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Opcode, Ring};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::time::Duration;
 
-/// Milliseconds of silence after which an incomplete frame is given up.
+use serde_json::{Map, Value, json};
+
+use crate::recording::Side;
+
+/// How often a silent line is looked at, in milliseconds: the shortest silence that ends anything.
 pub(crate) const QUIET_MS: u32 = 50;
+/// The same.
+pub(crate) const QUIET: Duration = Duration::from_millis(QUIET_MS as u64);
 
-/// A run of garbage without an end is told in pieces of this many bytes.
-const GARBAGE_MAX: usize = 64;
+/// Takes the bytes of a line apart.
+pub(crate) trait Decoder {
+    /// Takes bytes of which it is known, or not, who sent them, and gives back what is certain by then.
+    fn feed(&mut self, from: Option<Side>, bytes: &[u8]) -> Vec<Piece>;
+
+    /// That side has been silent for so long: gives back what that makes certain, and what it gives up for it.
+    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece>;
+
+    /// Nothing will follow from that side.
+    fn end(&mut self, from: Option<Side>) -> Vec<Piece> {
+        self.idle(from, Duration::MAX)
+    }
+}
 
 /// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// Who sent it, where that is known or the message tells.
+    pub(crate) from: Option<Side>,
+    pub(crate) kind: Kind,
+    /// In words.
+    pub(crate) text: String,
+    /// As JSON.
+    pub(crate) json: Map<String, Value>,
+}
+
+/// What it counts as.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Piece {
-    Frame { opcode: Opcode, payload: Vec<u8>, bytes: Vec<u8> },
-    Garbage { bytes: Vec<u8> },
+pub(crate) enum Kind {
+    /// A message of this name.
+    Message(Cow<'static, str>),
+    /// No message, in so many bytes, and how many would be one if something in them were right.
+    Garbage { bytes: usize, damaged: usize },
 }
 
-/// Finds frames as the library does, and keeps what it throws away.
-pub(crate) struct Decoder {
-    ring: Ring,
-    /// The bytes in the ring.
-    waiting: VecDeque<u8>,
-    garbage: Vec<u8>,
+impl Piece {
+    /// `json` is an object.
+    fn new(from: Option<Side>, kind: Kind, text: String, json: Value) -> Self {
+        let json = if let Value::Object(json) = json { json } else { Map::new() };
+        Self { from, kind, text, json }
+    }
+
+    pub(crate) const fn is_message(&self) -> bool {
+        matches!(self.kind, Kind::Message(_))
+    }
+
+    /// As JSON, between the other members of an object.
+    pub(crate) fn add_to(&self, mut object: Value) -> Value {
+        if let Some(object) = object.as_object_mut() {
+            object.extend(self.json.clone());
+        }
+        object
+    }
 }
 
-impl Decoder {
-    pub(crate) const fn new() -> Self {
-        Self { ring: Ring::new(), waiting: VecDeque::new(), garbage: Vec::new() }
-    }
+/// Who may have sent something: nobody knows, or one of the two.
+pub(crate) const SENDERS: [Option<Side>; 3] = [None, Some(Side::Host), Some(Side::Controller)];
 
-    /// Takes bytes, and gives back what is certain by then.
-    pub(crate) fn feed(&mut self, input: &[u8]) -> Vec<Piece> {
-        let mut found = Vec::new();
-        let mut rest = input;
-        while !rest.is_empty() {
-            let (now, later) = rest.split_at(rest.len().min(self.ring.room()));
-            // Can't overflow: there is room for them.
-            let _ = self.ring.append(now);
-            self.waiting.extend(now);
-            rest = later;
-            self.search(false, &mut found);
-        }
-        if self.garbage.len() >= GARBAGE_MAX {
-            self.tell_garbage(&mut found);
-        }
-        found
-    }
+/// One of them for each sender.
+#[derive(Debug, Default)]
+pub(crate) struct Lanes<T>([T; SENDERS.len()]);
 
-    /// Gives up what is incomplete.
-    pub(crate) fn idle(&mut self) -> Vec<Piece> {
-        let mut found = Vec::new();
-        self.search(true, &mut found);
-        self.tell_garbage(&mut found);
-        found
-    }
-
-    fn search(&mut self, idle: bool, found: &mut Vec<Piece>) {
-        loop {
-            let frame = if idle { self.ring.next_frame_idle() } else { self.ring.next_frame() };
-            let frame = frame.ok().map(|frame| (frame.opcode, frame.payload.iter().collect::<Vec<_>>()));
-            let gone = self.waiting.len() + self.ring.room() - DP_BUFSIZE;
-            let size = frame.as_ref().map_or(0, |(_, payload)| payload.len() + FRAME_OVERHEAD);
-            self.garbage.extend(self.waiting.drain(..gone - size));
-            let Some((opcode, payload)) = frame else { return };
-            self.tell_garbage(found);
-            found.push(Piece::Frame { opcode, payload, bytes: self.waiting.drain(..size).collect() });
-        }
-    }
-
-    fn tell_garbage(&mut self, found: &mut Vec<Piece>) {
-        if !self.garbage.is_empty() {
-            found.push(Piece::Garbage { bytes: std::mem::take(&mut self.garbage) });
+impl<T> Lanes<T> {
+    pub(crate) const fn of(&mut self, from: Option<Side>) -> &mut T {
+        let Self([unknown, host, controller]) = self;
+        match from {
+            None => unknown,
+            Some(Side::Host) => host,
+            Some(Side::Controller) => controller,
         }
     }
 }
 
-/// The frames in garbage that are whole but for their checksum: which it is, and which it should be.
-pub(crate) fn checksum_failures(garbage: &[u8]) -> Vec<(u8, u8)> {
-    let mut failures = Vec::new();
-    let mut rest = garbage;
-    while let [first, behind @ ..] = rest {
-        rest = behind;
-        let [opcode, length, ..] = behind else { break };
-        let length = usize::from(*length);
-        if *first != FRAME_START || !Opcode(*opcode).is_known() || length > DP_DATA_MAX_SIZE {
-            continue;
-        }
-        // Opcode, length and payload.
-        let Some((summed, [checksum, end, after @ ..])) = behind.split_at_checked(length + 2) else { continue };
-        if *end == FRAME_END {
-            let sum = summed.iter().fold(FRAME_START.wrapping_add(FRAME_END), |sum, byte| sum.wrapping_add(*byte));
-            failures.push((*checksum, sum));
-            rest = after;
-        }
-    }
-    failures
+/// How statistics name things.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms {
+    /// Messages, such as `frames`, and the member of the object that tells how many there were of each kind.
+    pub(crate) messages: &'static str,
+    pub(crate) by_kind: &'static str,
+    /// What is damaged, in words and as a member of the object.
+    pub(crate) damaged: &'static str,
+    pub(crate) damaged_member: &'static str,
 }
 
 /// What has passed.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Statistics {
-    pub(crate) bytes: usize,
-    pub(crate) garbage_bytes: usize,
-    pub(crate) checksum_failures: usize,
-    /// How many frames there were of each kind.
-    pub(crate) frames: BTreeMap<&'static str, usize>,
+    terms: Terms,
+    bytes: usize,
+    garbage_bytes: usize,
+    damaged: usize,
+    /// How many messages there were of each kind.
+    messages: BTreeMap<Cow<'static, str>, usize>,
 }
 
 impl Statistics {
+    pub(crate) const fn new(terms: Terms) -> Self {
+        Self { terms, bytes: 0, garbage_bytes: 0, damaged: 0, messages: BTreeMap::new() }
+    }
+
+    /// Bytes have come, whatever they are.
+    pub(crate) const fn count_bytes(&mut self, bytes: &[u8]) {
+        self.bytes += bytes.len();
+    }
+
     pub(crate) fn count(&mut self, piece: &Piece) {
-        match piece {
-            Piece::Frame { opcode, bytes, .. } => {
-                self.bytes += bytes.len();
-                *self.frames.entry(crate::words::name(*opcode)).or_default() += 1;
-            }
-            Piece::Garbage { bytes } => {
-                self.bytes += bytes.len();
-                self.garbage_bytes += bytes.len();
-                self.checksum_failures += checksum_failures(bytes).len();
+        match &piece.kind {
+            Kind::Message(name) => *self.messages.entry(name.clone()).or_default() += 1,
+            Kind::Garbage { bytes, damaged } => {
+                self.garbage_bytes += bytes;
+                self.damaged += damaged;
             }
         }
     }
 
-    pub(crate) fn frames(&self) -> usize {
-        self.frames.values().sum()
+    fn messages(&self) -> usize {
+        self.messages.values().sum()
+    }
+
+    /// On one line, and over how long.
+    pub(crate) fn text(&self, time: Duration) -> String {
+        let kinds: Vec<_> = self.messages.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join(", ")) };
+        format!(
+            "{} bytes in {:.3} s: {} {}{kinds}, {} bytes of garbage, {} {}",
+            self.bytes,
+            time.as_secs_f64(),
+            self.messages(),
+            self.terms.messages,
+            self.garbage_bytes,
+            self.damaged,
+            self.terms.damaged
+        )
+    }
+
+    pub(crate) fn json(&self, time: Duration) -> Value {
+        json!({ "statistics": {
+            "seconds": seconds(time),
+            "bytes": self.bytes,
+            (self.terms.messages): self.messages(),
+            (self.terms.by_kind): self.messages,
+            "garbage_bytes": self.garbage_bytes,
+            (self.terms.damaged_member): self.damaged,
+        } })
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{Decoder, Piece, checksum_failures};
-    use deltarobot::deltarobot::Opcode;
-
-    fn status() -> Piece {
-        Piece::Frame { opcode: Opcode::STATUS, payload: vec![], bytes: b"$S\0\xB1:".to_vec() }
-    }
-
-    fn garbage(bytes: &[u8]) -> Piece {
-        Piece::Garbage { bytes: bytes.to_vec() }
-    }
-
-    #[test]
-    fn every_byte_is_told_in_its_order() {
-        let mut decoder = Decoder::new();
-        assert_eq!(decoder.feed(b"xy$S\0"), []);
-        assert_eq!(
-            decoder.feed(b"\xB1:z$S\0\xB1:$M\x0C$S\0\xB1:"),
-            [garbage(b"xy"), status(), garbage(b"z"), status()]
-        );
-        assert_eq!(decoder.idle(), [garbage(b"$M\x0C"), status()]);
-        assert_eq!(decoder.idle(), []);
-        assert_eq!(decoder.feed(&[7; 1000]), [garbage(&[7; 1000])]);
-        assert_eq!(decoder.feed(b"$$S\0\xB1:"), [garbage(b"$"), status()]);
-    }
-
-    #[test]
-    fn checksums_that_are_wrong() {
-        assert_eq!(checksum_failures(b"x$S\0\xB2:$A\x01H\x00:"), [(0xB2, 0xB1), (0x00, 0xE8)]);
-        assert_eq!(checksum_failures(b"$S\0\xB2;"), []);
-        assert_eq!(checksum_failures(b"$S"), []);
-    }
+/// In microseconds' precision.
+pub(crate) fn seconds(time: Duration) -> Value {
+    format!("{:.6}", time.as_secs_f64()).parse::<f64>().map_or(Value::Null, Value::from)
 }

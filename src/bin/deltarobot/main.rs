@@ -1,17 +1,19 @@
-//! The program `deltarobot`: a simulated controller, requests to a real one, and tools for the line between.
+//! The program `deltarobot`: simulated machines, requests to a real robot, and tools for the line between. What knows a
+//! protocol is below `decoder` and `sim`, in a file for each.
 
 #![deny(unsafe_code)]
 #![allow(
     clippy::arithmetic_side_effects,
     reason = "numbers here are times and sizes of what fits in memory, and a program may stop where a library must not"
 )]
-#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test that can't go on fails"))]
+#![cfg_attr(test, allow(clippy::indexing_slicing, clippy::unwrap_used, reason = "a test that can't go on fails"))]
 
 mod decode;
 mod decoder;
 mod monitor;
 mod operation;
 mod port;
+mod protocol;
 mod pty;
 mod record;
 mod recording;
@@ -34,13 +36,14 @@ use status::{Failure, Status};
 const STATUSES: &str = "\
 Exit status:
   0  finished
-  1  refused or failed by the controller; for `decode`: there were bytes that are no frame
+  1  refused or failed by the controller; for `decode`: there were bytes that are no message
   2  wrong usage
   3  a device or file that is missing, in use, unreadable or was disconnected
   4  the controller did not answer in time
   5  cancelled (Ctrl-C during a request; pressed again, it ends the program at once)";
 
-/// Controls a delta robot over a serial line, simulates one, and shows what passes on the line.
+/// Controls a delta robot over a serial line, simulates it and the machines of two other protocols, and shows what
+/// passes on the line.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100, after_help = STATUSES)]
 struct Cli {
@@ -50,7 +53,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulates a controller on a pseudo-terminal
+    /// Simulates a controller or devices on a pseudo-terminal
     Sim(sim::Arguments),
     /// Has the robot home, and waits until it has
     Home(operation::Home),
@@ -60,9 +63,9 @@ enum Command {
     Status(operation::Plain),
     /// Cancels what the robot is doing
     Cancel(operation::Plain),
-    /// Shows the frames that come from a device, a file or standard input
+    /// Shows the messages that come from a device, a file or standard input
     Monitor(monitor::Arguments),
-    /// Shows the frames in bytes given as hexadecimal digits
+    /// Shows the messages in bytes given on the command line
     Decode(decode::Arguments),
     /// Records what comes from a device, or passes between a host program and a device
     Record(record::Arguments),

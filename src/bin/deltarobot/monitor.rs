@@ -8,21 +8,20 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::decoder::{Decoder, Piece, QUIET_MS, Statistics, checksum_failures};
+use crate::decoder::{Decoder, Lanes, Piece, QUIET, QUIET_MS, SENDERS, Statistics, seconds};
 use crate::port::{Device, Speed};
+use crate::protocol::Spoken;
 use crate::recording::{self, Side};
 use crate::screen::Screen;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
-use crate::wire::hex;
-use crate::words;
 
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Each line has the time in seconds since the beginning, the direction (> from the host, < from the \
-    controller, where a recording or the opcode tells it) and the frame. Statistics follow at the end or on Ctrl-C."
+    controller, where a recording or the message tells it) and the message. Statistics follow at the end or on Ctrl-C."
 )]
 pub(crate) struct Arguments {
     /// A device, a recording, a file of raw bytes, or `-` for standard input
@@ -32,12 +31,17 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    spoken: Spoken,
+    /// Who sends, where neither the source nor the message tells
+    #[arg(long, value_enum, value_name = "SIDE")]
+    from: Option<Side>,
+    #[command(flatten)]
     speed: Speed,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
-    let mut monitor = Monitor::new(arguments.json);
+    let mut monitor = Monitor::new(arguments);
     let result = monitor.watch(arguments, &signals);
     // A device that has gone was still worth being counted.
     if !matches!(result, Err(Failure::Output(_) | Failure::Usage(_))) && monitor.has_begun {
@@ -51,24 +55,26 @@ struct Monitor {
     json: bool,
     has_begun: bool,
     statistics: Statistics,
-    /// When anything came last.
+    /// When anything came last, from anybody and from each.
     last: Duration,
-    host: Decoder,
-    controller: Decoder,
-    unknown: Decoder,
+    heard: Lanes<Duration>,
+    decoder: Box<dyn Decoder>,
+    /// Who sends what comes, if the user knows.
+    from: Option<Side>,
 }
 
 impl Monitor {
-    fn new(json: bool) -> Self {
+    fn new(arguments: &Arguments) -> Self {
+        let protocol = arguments.spoken.protocol;
         Self {
             screen: Screen::new(),
-            json,
+            json: arguments.json,
             has_begun: false,
-            statistics: Statistics::default(),
+            statistics: Statistics::new(protocol.terms()),
             last: Duration::ZERO,
-            host: Decoder::new(),
-            controller: Decoder::new(),
-            unknown: Decoder::new(),
+            heard: Lanes::default(),
+            decoder: protocol.decoder(),
+            from: arguments.from,
         }
     }
 
@@ -96,7 +102,7 @@ impl Monitor {
             return self.watch_recording(path, &bytes, signals);
         }
         self.take(None, &bytes, Duration::ZERO)?;
-        self.idle(Duration::ZERO)
+        self.end()
     }
 
     fn watch_device(&mut self, arguments: &Arguments, signals: &Signals) -> Result<(), Failure> {
@@ -113,7 +119,7 @@ impl Monitor {
                 Err(failure) => break Err(failure),
             }
         };
-        self.idle(began.elapsed())?;
+        self.end()?;
         result
     }
 
@@ -147,7 +153,7 @@ impl Monitor {
             }
             self.take(None, bytes, began.elapsed())?;
         }
-        self.idle(began.elapsed())
+        self.end()
     }
 
     fn watch_recording(&mut self, name: &Path, text: &[u8], signals: &Signals) -> Result<(), Failure> {
@@ -158,43 +164,45 @@ impl Monitor {
             }
             self.take(Some(entry.from), &entry.bytes, entry.time)?;
         }
-        self.idle(self.last)
+        self.end()
     }
 
     fn take(&mut self, from: Option<Side>, bytes: &[u8], time: Duration) -> Result<(), Failure> {
-        if time.saturating_sub(self.last) >= Duration::from_millis(QUIET_MS.into()) {
-            self.idle(self.last)?;
-        }
+        self.idle(time)?;
+        let from = from.or(self.from);
+        *self.heard.of(from) = time;
         self.last = time;
-        let pieces = self.decoder(from).feed(bytes);
-        self.tell(from, &pieces, time)
+        self.statistics.count_bytes(bytes);
+        let pieces = self.decoder.feed(from, bytes);
+        self.tell(&pieces, time)
     }
 
-    fn idle(&mut self, time: Duration) -> Result<(), Failure> {
-        for from in [None, Some(Side::Host), Some(Side::Controller)] {
-            let pieces = self.decoder(from).idle();
-            self.tell(from, &pieces, time)?;
+    /// It is now. What ends by silence has the time of its last byte.
+    fn idle(&mut self, now: Duration) -> Result<(), Failure> {
+        for from in SENDERS {
+            let heard = *self.heard.of(from);
+            let pieces = self.decoder.idle(from, now.saturating_sub(heard));
+            self.tell(&pieces, heard)?;
         }
         Ok(())
     }
 
-    fn decoder(&mut self, from: Option<Side>) -> &mut Decoder {
-        match from {
-            None => &mut self.unknown,
-            Some(Side::Host) => &mut self.host,
-            Some(Side::Controller) => &mut self.controller,
+    fn end(&mut self) -> Result<(), Failure> {
+        for from in SENDERS {
+            let pieces = self.decoder.end(from);
+            let heard = *self.heard.of(from);
+            self.tell(&pieces, heard)?;
         }
+        Ok(())
     }
 
-    fn tell(&mut self, from: Option<Side>, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
+    fn tell(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
         for piece in pieces {
             self.statistics.count(piece);
-            let from = from.or_else(|| sender(piece));
             let line = if self.json {
-                let context = json!({ "time": seconds(time), "from": from.map(Side::name) });
-                piece_json(piece, context).to_string()
+                piece.add_to(json!({ "time": seconds(time), "from": piece.from.map(Side::name) })).to_string()
             } else {
-                format!("{:10.3} {} {}", time.as_secs_f64(), from.map_or(' ', Side::arrow), piece_text(piece))
+                format!("{:10.3} {} {}", time.as_secs_f64(), piece.from.map_or(' ', Side::arrow), piece.text)
             };
             self.screen.line(&line)?;
         }
@@ -203,81 +211,14 @@ impl Monitor {
 
     fn tell_statistics(&mut self) -> Result<(), Failure> {
         let it = &self.statistics;
-        let line = if self.json {
-            json!({ "statistics": {
-                "seconds": seconds(self.last), "bytes": it.bytes, "frames": it.frames(), "frames_by_opcode": it.frames,
-                "garbage_bytes": it.garbage_bytes, "checksum_failures": it.checksum_failures,
-            } })
-            .to_string()
-        } else {
-            let kinds: Vec<_> = it.frames.iter().map(|(name, count)| format!("{count} {name}")).collect();
-            let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join(", ")) };
-            format!(
-                "{} bytes in {:.3} s: {} frames{kinds}, {} bytes of garbage, {} wrong checksums",
-                it.bytes,
-                self.last.as_secs_f64(),
-                it.frames(),
-                it.garbage_bytes,
-                it.checksum_failures
-            )
-        };
+        let line = if self.json { it.json(self.last).to_string() } else { it.text(self.last) };
         Ok(self.screen.line(&line)?)
     }
 }
 
-/// Who must have sent it: most opcodes go one way only.
-fn sender(piece: &Piece) -> Option<Side> {
-    match piece {
-        Piece::Frame { opcode, .. } => match opcode.0 {
-            b'H' | b'S' | b'M' | b'C' => Some(Side::Host),
-            b'h' | b's' | b'm' | b'e' => Some(Side::Controller),
-            _ => None,
-        },
-        Piece::Garbage { .. } => None,
-    }
-}
-
-/// A frame in words, or garbage as hexadecimal digits.
-pub(crate) fn piece_text(piece: &Piece) -> String {
-    match piece {
-        Piece::Frame { opcode, payload, .. } => words::text(*opcode, payload),
-        Piece::Garbage { bytes } => {
-            let failures = checksum_failures(bytes);
-            let failures: Vec<_> =
-                failures.iter().map(|(is, should)| format!(" (checksum {is:02X} instead of {should:02X})")).collect();
-            format!("garbage: {}{}", hex(bytes), failures.concat())
-        }
-    }
-}
-
-/// The same, added to an object.
-pub(crate) fn piece_json(piece: &Piece, mut object: Value) -> Value {
-    let said = match piece {
-        Piece::Frame { opcode, payload, bytes } => {
-            let mut said = words::json(*opcode, payload);
-            if let Some(said) = said.as_object_mut() {
-                said.insert("bytes".into(), hex(bytes).into());
-            }
-            said
-        }
-        Piece::Garbage { bytes } => {
-            json!({ "garbage": hex(bytes), "checksum_failures": checksum_failures(bytes).len() })
-        }
-    };
-    if let (Some(object), Value::Object(said)) = (object.as_object_mut(), said) {
-        object.extend(said);
-    }
-    object
-}
-
-/// In microseconds' precision.
-fn seconds(time: Duration) -> Value {
-    format!("{:.6}", time.as_secs_f64()).parse::<f64>().map_or(Value::Null, Value::from)
-}
-
 /// Waits for input as long as a line may be quiet. Not when a signal came.
 fn is_readable(stream: &impl std::os::fd::AsFd) -> Result<bool, Failure> {
-    let time = Timespec { tv_sec: 0, tv_nsec: i64::from(QUIET_MS) * 1_000_000 };
+    let time = Timespec { tv_sec: 0, tv_nsec: QUIET.subsec_nanos().into() };
     let mut polled = [PollFd::new(stream, PollFlags::IN)];
     match poll(&mut polled, Some(&time)) {
         Ok(count) => Ok(count > 0),

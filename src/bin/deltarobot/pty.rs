@@ -6,7 +6,7 @@ use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{OFlags, fcntl_setfl};
+use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
@@ -47,8 +47,10 @@ impl Pty {
         let mut settings = tcgetattr(&fd)?;
         settings.make_raw();
         tcsetattr(&fd, OptionalActions::Now, &settings)?;
-        let path = ptsname(&fd, Vec::new())?;
-        Ok((fd, PathBuf::from(path.to_string_lossy().into_owned())))
+        let path = PathBuf::from(ptsname(&fd, Vec::new())?.to_string_lossy().into_owned());
+        // Once opened and closed, it tells that nobody has it open; before, it does not.
+        drop(open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?);
+        Ok((fd, path))
     }
 
     /// The device's path, by the link if there is one.

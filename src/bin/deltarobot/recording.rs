@@ -6,8 +6,8 @@
 //! 0.013702 < 24 73 10 ...
 //! ```
 //!
-//! Seconds since the recording began; `>` for what the host sent and `<` for what came from the controller; the bytes in
-//! hexadecimal digits. Lines that begin with `#` and empty ones say nothing, but the first line has to be that.
+//! Seconds since the recording began; `>` for what the host sent and `<` for what came from the controller; the bytes
+//! in hexadecimal digits. Lines that begin with `#` and empty ones say nothing, but the first line has to be that.
 
 use std::io::{self, Write};
 use std::time::Duration;

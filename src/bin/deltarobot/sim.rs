@@ -1,68 +1,94 @@
-//! `deltarobot sim`: a controller on a pseudo-terminal, with a simulated robot and faults to order.
+//! `deltarobot sim`: a machine on a pseudo-terminal, and faults to order. A file for each protocol's machine.
 
+mod deltarobot;
 mod faults;
-mod robot;
+mod gx;
+mod line;
+mod random;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use deltarobot::deltarobot::{Dispatcher, Judgement, Layout, Message, Order, PAYLOAD_MAX};
-
-use crate::decoder::{Decoder, Piece, QUIET_MS};
-use crate::monitor::piece_text;
+use crate::decoder::{Decoder, Piece};
+use crate::protocol::{Protocol, Spoken};
 use crate::pty::{Input, Pty};
 use crate::recording::Side;
 use crate::screen::Screen;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
-use crate::wire::frame;
 use faults::Faults;
-use robot::Robot;
+use random::Random;
 
-/// How often the robot is moved on, in milliseconds.
+/// How often a machine is moved on, in milliseconds.
 const TICK_MS: u32 = 5;
+const TICK: Duration = Duration::from_millis(TICK_MS as u64);
+
+/// What is at the other end of the line. Times are since the simulation began.
+trait Machine {
+    /// A program has opened the device.
+    fn connected(&mut self, _now: Duration) {}
+
+    /// Takes what came from the host, and adds what it answers.
+    fn receive(&mut self, bytes: &[u8], now: Duration, out: &mut Vec<u8>);
+
+    /// Goes on, and adds what it has to say.
+    fn turn(&mut self, now: Duration, out: &mut Vec<u8>);
+}
 
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Prints the path of its device, and runs until Ctrl-C. A move beyond an end stop, which is where a \
-    displacement is 0, is an error: from then on, as in shipped firmware, everything but a status request is refused."
-)]
+#[command(after_help = "Prints the path of its device, and runs until Ctrl-C.")]
 pub(crate) struct Arguments {
+    #[command(flatten)]
+    spoken: Spoken,
     /// A symbolic link to make to the device
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
-    /// What to answer like: `firmware` sends status reports of 16 bytes with the reserved bits set, `spec` of 13 bytes, and
-    /// HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides
-    #[arg(long, value_enum, default_value_t = Kind::Firmware)]
-    layout: Kind,
-    /// Displacement of the fastest arm in a second
-    #[arg(long, value_name = "UNITS", default_value_t = 50.0, value_parser = speed)]
-    speed: f64,
     /// Probability of each byte, in both directions, to be lost
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = probability)]
     lose: f64,
     /// Probability of each byte, in both directions, to have one bit flipped
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = probability)]
     flip: f64,
-    /// Sends neither ACK nor NACK
-    #[arg(long)]
-    no_ack: bool,
     /// Takes the device away so many seconds after the first byte was received, and ends
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     disconnect_after: Option<f64>,
     /// Makes the faults the same each time
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
-    /// Prints each frame
+    /// Prints each message
     #[arg(short, long)]
     verbose: bool,
+    #[command(flatten)]
+    deltarobot: deltarobot::ControllerOptions,
+    #[command(flatten)]
+    line: line::DevicesOptions,
+    #[command(flatten)]
+    gx: gx::AxesOptions,
 }
 
-/// What the controller answers like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Kind {
-    Spec,
-    Firmware,
+impl Arguments {
+    /// # Errors
+    ///
+    /// When options of another protocol are given.
+    fn machine(&self) -> Result<Box<dyn Machine>, Failure> {
+        let spoken = self.spoken.protocol;
+        let given = [
+            (Protocol::Deltarobot, self.deltarobot.given()),
+            (Protocol::Line, self.line.given()),
+            (Protocol::Gx, self.gx.given()),
+        ];
+        for (protocol, option) in given {
+            if let Some(option) = option.filter(|_| protocol != spoken) {
+                let name = protocol.name();
+                return Err(Failure::Usage(format!("{option} is for --protocol {name} only; try --help")));
+            }
+        }
+        Ok(match spoken {
+            Protocol::Deltarobot => Box::new(deltarobot::Controller::new(&self.deltarobot, Random::new(self.seed))),
+            Protocol::Line => Box::new(line::Devices::new(&self.line)),
+            Protocol::Gx => Box::new(gx::Axes::new(&self.gx)),
+        })
+    }
 }
 
 fn probability(text: &str) -> Result<f64, String> {
@@ -72,183 +98,143 @@ fn probability(text: &str) -> Result<f64, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(number) if (0.0..=1e6).contains(&number) => Ok(number),
         _ => Err("not a number from 0 to a million".into()),
     }
 }
 
-fn speed(text: &str) -> Result<f64, String> {
-    positive(text).and_then(|speed| if speed > 0.0 { Ok(speed) } else { Err("nothing would move".into()) })
+fn above_zero(text: &str) -> Result<f64, String> {
+    seconds(text).and_then(|number| if number > 0.0 { Ok(number) } else { Err("nothing would happen".into()) })
+}
+
+/// As sessions count time: it wraps.
+#[expect(clippy::cast_possible_truncation, reason = "that is the point")]
+const fn milliseconds(now: Duration) -> u32 {
+    now.as_millis() as u32
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let machine = arguments.machine()?;
     let signals = Signals::catch()?;
     let pty = Pty::new(arguments.link.as_deref())?;
     let mut screen = Screen::new();
     screen.line(&pty.path().display().to_string())?;
-    let now = Instant::now();
+    let watcher = arguments.verbose.then(|| Watcher {
+        screen,
+        decoder: arguments.spoken.protocol.decoder(),
+        heard: Duration::ZERO,
+    });
     Sim {
-        kind: arguments.layout,
-        no_ack: arguments.no_ack,
-        verbose: arguments.verbose.then_some(screen),
-        heard_by: Decoder::new(),
+        machine,
+        watcher,
         pty,
-        faults: Faults::new(arguments.lose, arguments.flip, arguments.seed),
-        dispatcher: Dispatcher::new(),
-        robot: Robot::new(arguments.speed),
-        began: now,
-        heard: now,
+        faults: Faults::new(arguments.lose, arguments.flip, Random::new(arguments.seed)),
+        began: Instant::now(),
     }
     .run(&signals, arguments.disconnect_after.map(Duration::from_secs_f64))
 }
 
 struct Sim {
-    kind: Kind,
-    no_ack: bool,
-    /// Where frames are shown.
-    verbose: Option<Screen>,
-    /// What is received, for being shown.
-    heard_by: Decoder,
+    machine: Box<dyn Machine>,
+    watcher: Option<Watcher>,
     pty: Pty,
     faults: Faults,
-    dispatcher: Dispatcher,
-    robot: Robot,
     began: Instant,
-    /// When anything came last.
-    heard: Instant,
 }
 
 impl Sim {
     fn run(&mut self, signals: &Signals, disconnect_after: Option<Duration>) -> Result<Status, Failure> {
         let mut room = [0; 256];
-        let mut moved = Instant::now();
+        let mut is_open = false;
+        let mut turned = Duration::ZERO;
         let mut disconnect_at = None;
         while !signals.came() {
-            match self.pty.read(&mut room, TICK_MS)? {
+            let input = self.pty.read(&mut room, TICK_MS)?;
+            let now = self.began.elapsed();
+            let was_open = is_open;
+            is_open = !matches!(input, Input::Nobody);
+            if is_open && !was_open {
+                self.machine.connected(now);
+            }
+            match input {
                 Input::Bytes(0) => (),
                 Input::Bytes(count) => {
-                    self.heard = Instant::now();
-                    disconnect_at = disconnect_at.or(disconnect_after.map(|after| self.heard + after));
-                    self.receive(room.get(..count).unwrap_or_default())?;
+                    disconnect_at = disconnect_at.or(disconnect_after.map(|after| now + after));
+                    self.receive(room.get(..count).unwrap_or_default(), now)?;
                 }
                 // Waiting for somebody, which poll(2) does not do.
-                Input::Nobody => std::thread::sleep(Duration::from_millis(TICK_MS.into())),
+                Input::Nobody => std::thread::sleep(TICK),
             }
-            if disconnect_at.is_some_and(|at| at <= Instant::now()) {
+            let now = self.began.elapsed();
+            if disconnect_at.is_some_and(|at| at <= now) {
                 break;
             }
-            if self.heard.elapsed() >= Duration::from_millis(QUIET_MS.into()) {
-                let pieces = self.heard_by.idle();
-                self.show(Side::Host, &pieces)?;
-                self.serve(true)?;
-            }
-            let now = Instant::now();
-            if now - moved >= Duration::from_millis(TICK_MS.into()) {
-                self.turn(now - moved)?;
-                moved = now;
+            if now.saturating_sub(turned) >= TICK {
+                turned = now;
+                let mut out = Vec::new();
+                self.machine.turn(now, &mut out);
+                self.send(out, now)?;
+                if let Some(watcher) = &mut self.watcher {
+                    watcher.idle(now)?;
+                }
             }
         }
         Ok(Status::Finished)
     }
 
-    fn receive(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+    fn receive(&mut self, bytes: &[u8], now: Duration) -> Result<(), Failure> {
         let mut bytes = bytes.to_vec();
         self.faults.spoil(&mut bytes);
-        if self.verbose.is_some() {
-            let pieces = self.heard_by.feed(&bytes);
-            self.show(Side::Host, &pieces)?;
-        }
-        // In pieces that fit, or requests would be lost.
-        let mut rest = bytes.as_slice();
-        while !rest.is_empty() {
-            let (now, later) = rest.split_at(rest.len().min(self.dispatcher.ring().room()).max(1));
-            let _ = self.dispatcher.ring().append(now);
-            rest = later;
-            self.serve(false)?;
-        }
-        Ok(())
+        self.show(Side::Host, &bytes, now)?;
+        let mut out = Vec::new();
+        self.machine.receive(&bytes, now, &mut out);
+        self.send(out, now)
     }
 
-    /// Moves the robot on.
-    fn turn(&mut self, time: Duration) -> Result<(), Failure> {
-        let stepped = self.robot.turn(time.as_secs_f64());
-        let now = self.robot.report(self.kind == Kind::Firmware);
-        if let Some(end) = self.dispatcher.ended(&now) {
-            if let Some(end) = end.filter(|_| self.kind == Kind::Spec) {
-                self.send(&end)?;
-            }
-            self.report()?;
-        } else if stepped {
-            self.report()?;
+    fn send(&mut self, mut bytes: Vec<u8>, now: Duration) -> Result<(), Failure> {
+        if bytes.is_empty() {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// Answers all requests.
-    fn serve(&mut self, idle: bool) -> Result<(), Failure> {
-        while let Some(order) = self.dispatcher.order(idle) {
-            self.answer(&order)?;
-        }
-        Ok(())
-    }
-
-    fn answer(&mut self, order: &Order) -> Result<(), Failure> {
-        let now = self.robot.report(self.kind == Kind::Firmware);
-        let judgement = self.dispatcher.judge(order, &now);
-        let accepted = match judgement {
-            Judgement::Home => self.robot.home(),
-            Judgement::Move(target) => self.robot.move_to(target),
-            Judgement::Cancel => self.robot.cancel(),
-            Judgement::Repeated => true,
-            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
-        };
-        if accepted {
-            self.dispatcher.began(&judgement);
-        }
-        if judgement != Judgement::Report && !self.no_ack {
-            self.send(&if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) })?;
-        }
-        if judgement != Judgement::RefuseOnly {
-            self.report()?;
-            let now = self.robot.report(self.kind == Kind::Firmware);
-            self.dispatcher.reports(&now);
-        }
-        Ok(())
-    }
-
-    fn report(&mut self) -> Result<(), Failure> {
-        let report = self.robot.report(self.kind == Kind::Firmware);
-        self.send(&Message::StatusReport(report))
-    }
-
-    fn send(&mut self, message: &Message) -> Result<(), Failure> {
-        let layout = if self.kind == Kind::Spec { Layout::Spec } else { Layout::Firmware };
-        let mut payload = [0; PAYLOAD_MAX];
-        let length = message.write(layout, &mut payload);
-        if let (Message::StatusReport(_), Kind::Firmware) = (message, self.kind) {
-            // Shipped firmware: the reserved bits are 1, the padding is whatever was there.
-            let [.., stat, first, second, third] = &mut payload;
-            *stat |= 0xE0;
-            [*first, *second, *third] = self.faults.rubbish();
-        }
-        let payload = payload.get(..length).unwrap_or_default();
-        let Some(mut bytes) = frame(message.opcode(), payload) else {
-            return Err(Failure::Usage("this build's frames are too short for that".into()));
-        };
-        let piece = Piece::Frame { opcode: message.opcode(), payload: payload.to_vec(), bytes: bytes.clone() };
-        self.show(Side::Controller, &[piece])?;
+        self.show(Side::Controller, &bytes, now)?;
         self.faults.spoil(&mut bytes);
         self.pty.write(&bytes)
     }
 
-    fn show(&mut self, from: Side, pieces: &[Piece]) -> Result<(), Failure> {
-        let time = self.began.elapsed().as_secs_f64();
+    fn show(&mut self, from: Side, bytes: &[u8], now: Duration) -> Result<(), Failure> {
+        self.watcher.as_mut().map_or(Ok(()), |watcher| watcher.watch(from, bytes, now))
+    }
+}
+
+/// Shows what passes: what the machine hears, and what it says.
+struct Watcher {
+    screen: Screen,
+    decoder: Box<dyn Decoder>,
+    heard: Duration,
+}
+
+impl Watcher {
+    fn watch(&mut self, from: Side, bytes: &[u8], now: Duration) -> Result<(), Failure> {
+        let mut pieces = self.decoder.feed(Some(from), bytes);
+        match from {
+            Side::Host => self.heard = now,
+            // It says nothing by halves.
+            Side::Controller => pieces.extend(self.decoder.end(Some(from))),
+        }
+        self.show(&pieces, now)
+    }
+
+    /// What the host said by halves may have ended.
+    fn idle(&mut self, now: Duration) -> Result<(), Failure> {
+        let pieces = self.decoder.idle(Some(Side::Host), now.saturating_sub(self.heard));
+        self.show(&pieces, self.heard)
+    }
+
+    fn show(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
         for piece in pieces {
-            if let Some(screen) = &mut self.verbose {
-                screen.line(&format!("{time:10.3} {} {}", from.arrow(), piece_text(piece)))?;
-            }
+            let arrow = piece.from.map_or(' ', Side::arrow);
+            self.screen.line(&format!("{:10.3} {arrow} {}", time.as_secs_f64(), piece.text))?;
         }
         Ok(())
     }

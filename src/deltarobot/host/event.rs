@@ -24,7 +24,8 @@ pub enum Outcome {
 /// What a session has to tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A message was received (where [`Settings::messages`](super::Settings::messages) asks for these), with this many bytes of payload.
+    /// A message was received (where [`Settings::messages`](super::Settings::messages) asks for these), with this many
+    /// bytes of payload.
     Message(Opcode, usize),
     /// A status report was received.
     Status(Report),

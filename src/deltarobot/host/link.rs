@@ -44,8 +44,9 @@ impl Link {
         taken.len()
     }
 
-    /// Takes out the next frame: its opcode and the length of its payload, which is copied to `data` as far as that goes, and
-    /// its beginning to `head`. (It is not returned as a message, since moving one of these is a call of memcpy.)
+    /// Takes out the next frame: its opcode and the length of its payload, which is copied to `data` as far as that
+    /// goes, and its beginning to `head`. (It is not returned as a message, since moving one of these is a call of
+    /// memcpy.)
     pub(super) fn next(
         &mut self,
         now: u32,
@@ -84,8 +85,8 @@ impl Link {
         DP_BUFSIZE.wrapping_sub(self.ring.room())
     }
 
-    /// Counts frames that are whole but for their checksum. The ring does not tell them from other garbage. This look goes
-    /// over the bytes once and does not turn back, so it misses frames inside of false ones.
+    /// Counts frames that are whole but for their checksum. The ring does not tell them from other garbage. This look
+    /// goes over the bytes once and does not turn back, so it misses frames inside of false ones.
     fn watch(&mut self, byte: u8, health: &mut Health) {
         let next = match (self.place, byte) {
             (1, _) if Opcode(byte).is_known() => 2,

@@ -53,8 +53,8 @@ impl Request {
     }
 
     /// A new request. Of the old one no answer can come any more if it was sent once and accepted: when such an
-    /// operation ends, its ack is long gone by. Unless the line `doubles` frames: then the request may have been carried out
-    /// twice.
+    /// operation ends, its ack is long gone by. Unless the line `doubles` frames: then the request may have been
+    /// carried out twice.
     pub(super) fn queue(&mut self, doubles: bool) {
         if self.used != 0 {
             self.loose = u8::from(doubles || self.sent > 1 || self.accepted == 0);
@@ -95,8 +95,8 @@ impl Request {
         self.sent
     }
 
-    /// It was answered, which takes it to that stage. Only of a request that was sent once it is known which sending was
-    /// answered.
+    /// It was answered, which takes it to that stage. Only of a request that was sent once it is known which sending
+    /// was answered.
     pub(super) fn answer(&mut self, stage: u8, now: u32, health: &mut Health) {
         if self.sent == 1 && self.loose == 0 {
             health.round_trip(now.wrapping_sub(time(self.sent_at)));

@@ -1,27 +1,20 @@
 /*
- * What the library costs beside the model of the original's algorithm, in one run.
+ * What the drop-in library costs beside the model of the original's algorithm, in one run.
  *
  *     bench               prints for each case: nanoseconds a byte of library and model
- *     bench callgrind     to be run under valgrind --tool=callgrind: dumps the counts of each case into its own file
+ *     bench callgrind     to be run under valgrind --tool=callgrind
  *
- * run.sh does both and makes the table. Lines and labels are "CASE GOAL SIDE BYTES ...": GOAL is the most instructions
- * that the library may need for a byte of the wire (0: no more than the model), SIDE is "library" or "model".
+ * run.sh does both, of the other programs here too, and makes the table. GOAL is the most instructions that the library
+ * may need for a byte of the wire, SIDE is "library" or "model".
  */
 #define _POSIX_C_SOURCE 199309L
 #include "libdeltarobot/protocol_ext.h"
 
 #include "../model/model.h"
 #include "../wire.h"
+#include "measure.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-#if defined(__has_include)
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#endif
-#endif
 
 #define STREAM_SIZE 20480
 #define CHUNK 64
@@ -29,16 +22,11 @@
 /* The original needs some thousands of instructions a byte of a hostile stream: a part of it tells enough. */
 #define HOSTILE_SIZE 2048
 
-/* A case is timed as often as fits in this time, and the fastest one counts. */
-#define TIMED_SECONDS 0.01
-
 struct stream {
     unsigned char bytes[STREAM_SIZE + WIRE_FRAME_MAX];
     int size;
     int payload; /* of each frame; for the encoder */
 };
-
-static volatile unsigned taken;
 
 #define SIDE(name) dp_##name
 #define STRUCT(name) struct protocol_##name
@@ -79,53 +67,16 @@ static void each_1024(struct protocol_data *ring, struct stream *stream)
 typedef void (*library_loop)(struct protocol_data *ring, struct stream *stream);
 typedef void (*model_loop)(struct model_data *ring, struct stream *stream);
 
-static int use_callgrind;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
-}
-
-/* Both sides start from a ring that the same stream went through: the first bytes of a hostile one are still cheap. */
-#define MEASURE(side, ring, loop)                                                                                      \
-    do {                                                                                                               \
-        (loop)(&(ring), stream);                                                                                       \
-        if (use_callgrind) {                                                                                           \
-            sprintf(label, "%s %d " side " %d", name, goal, stream->size);                                             \
-            CALLGRIND_ZERO_STATS;                                                                                      \
-            (loop)(&(ring), stream);                                                                                   \
-            CALLGRIND_DUMP_STATS_AT(label);                                                                            \
-        } else {                                                                                                       \
-            double best = 1e9, began = now(), before, after = began;                                                   \
-            while (after < began + TIMED_SECONDS) {                                                                    \
-                before = now();                                                                                        \
-                (loop)(&(ring), stream);                                                                               \
-                after = now();                                                                                         \
-                if (after - before < best)                                                                             \
-                    best = after - before;                                                                             \
-            }                                                                                                          \
-            printf("%s %d " side " %d %.2f\n", name, goal, stream->size, best * 1e9 / stream->size);                   \
-        }                                                                                                              \
-    } while (0)
-
-#ifndef CALLGRIND_ZERO_STATS
-#define CALLGRIND_ZERO_STATS (void)0
-#define CALLGRIND_DUMP_STATS_AT(label) (void)(label)
-#endif
-
 static void measure(const char *name, int goal, struct stream *stream, library_loop library, model_loop model)
 {
     static struct protocol_data ours;
     static struct model_data theirs;
-    char label[100];
 
     dp_init(&ours);
     memset(&theirs, 0, sizeof theirs);
-    MEASURE("library", ours, library);
+    MEASURE(name, goal, "library", stream->size, library(&ours, stream));
     if (model != NULL)
-        MEASURE("model", theirs, model);
+        MEASURE(name, goal, "model", stream->size, model(&theirs, stream));
 }
 
 static unsigned long seed = 1;

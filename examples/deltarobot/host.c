@@ -1,6 +1,6 @@
 /*
- * host DEVICE: a host program. Has a robot home and move, prints every message in words, and checks that each request ends
- * as it should. Exit status 0 if all of them did, 1 if not, 2 when there is no device.
+ * host DEVICE: a host program. Has a robot home and move, prints every message in words, and checks that each request
+ * ends as it should. Exit status 0 if all of them did, 1 if not, 2 when there is no device.
  */
 #define _XOPEN_SOURCE 700
 #include "libdeltarobot/host.h"
@@ -46,8 +46,8 @@ static int transmit(const char *bytes, int count)
 }
 
 /*
- * Runs the session until the request of that opcode has ended, and returns how; -1 when the device is gone. Cancels once
- * arm A is at `cancel_at` or beyond.
+ * Runs the session until the request of that opcode has ended, and returns how; -1 when the device is gone. Cancels
+ * once arm A is at `cancel_at` or beyond.
  */
 static int run(unsigned char opcode, float cancel_at)
 {

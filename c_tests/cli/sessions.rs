@@ -1,0 +1,134 @@
+//! What passes on a line, watched, recorded and sent again.
+
+use super::*;
+
+/// Frames that passed, in words and with their direction, by a recording.
+fn frames(recording: &Path, from: &str) -> Vec<String> {
+    let said = printed(&["monitor", "--json", utf8(recording)], FINISHED);
+    let values = said.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    values.filter(|value| value["from"] == from).map(|value| value["bytes"].as_str().unwrap().to_owned()).collect()
+}
+
+/// Records what `talk` does at a device between it and a simulator.
+fn record(name: &str, talk: impl FnOnce(&str)) -> PathBuf {
+    let file = fresh(name);
+    let sim = Running::sim(&["--speed", "200"]);
+    let mut tap = Running::start(&["record", &sim.device, utf8(&file), "--tap"]);
+    talk(&tap.device);
+    assert_eq!(tap.interrupt(), Some(FINISHED));
+    file
+}
+
+#[test]
+fn a_recorded_session_is_replayed() {
+    let first = record("cli-session-1.txt", |port| {
+        printed(&["status", port], FINISHED);
+        printed(&["home", port], FINISHED);
+        printed(&["move", "10", "20", "30", port], FINISHED);
+    });
+    let requests = frames(&first, "host");
+    assert!(requests.contains(&"24 48 00 A6 3A".to_owned()), "{requests:?}");
+    let text = fs::read_to_string(&first).unwrap();
+    assert!(text.starts_with("# deltarobot recording 1\n") && text.contains(" > 24 53 00 B1 3A\n"), "{text}");
+
+    let second = record("cli-session-2.txt", |port| {
+        printed(&["replay", utf8(&first), port], FINISHED);
+        until("the robot has arrived", || {
+            printed(&["status", port], FINISHED).starts_with("IDLE  DA=10  DB=20  DC=30")
+        });
+    });
+    assert_eq!(frames(&second, "host")[..requests.len()], requests);
+
+    // The controller's side as bytes, which another monitor reads.
+    let replayed = run(&mut deltarobot(&["replay", utf8(&first), "-", "--side", "controller", "--fast"]));
+    assert_eq!(replayed.status.code(), Some(FINISHED), "{}", super::text(&replayed));
+    let raw = fresh("cli-session.raw");
+    fs::write(&raw, &replayed.stdout).unwrap();
+    let said = printed(&["monitor", utf8(&raw)], FINISHED);
+    let statistics = said.lines().last().unwrap();
+    let count = frames(&first, "controller").len();
+    assert!(statistics.contains(&format!(" {count} frames (")), "{statistics}");
+    assert!(statistics.ends_with(" 0 bytes of garbage, 0 wrong checksums"), "{statistics}");
+}
+
+/// A simulator that reports without being asked: an arm moves for a while.
+fn reporting() -> Running {
+    let sim = Running::sim(&["--speed", "20"]);
+    printed(&["home", &sim.device], FINISHED);
+    printed(&["move", "90", "90", "90", &sim.device, "--no-wait"], FINISHED);
+    sim
+}
+
+#[test]
+fn a_monitor_tells_what_it_saw_when_it_is_interrupted() {
+    let sim = reporting();
+    let mut monitor = deltarobot(&["monitor", &sim.device, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let reports: Vec<_> = lines.by_ref().take(3).collect();
+    interrupt(&monitor);
+    let last = lines.last().unwrap();
+    assert_eq!(monitor.wait().unwrap().code(), Some(FINISHED));
+    for report in reports {
+        let report: Value = serde_json::from_str(&report).unwrap();
+        assert_eq!((&report["opcode"], &report["from"]), (&"STATUS_REPLY".into(), &"controller".into()));
+        assert_eq!(report["state"], "MOVING");
+    }
+    let statistics: Value = serde_json::from_str(&last).unwrap();
+    assert!(statistics["statistics"]["frames_by_opcode"]["STATUS_REPLY"].as_u64().unwrap() >= 3, "{last}");
+}
+
+#[test]
+fn a_device_alone_is_recorded() {
+    let sim = reporting();
+    let file = fresh("cli-device.txt");
+    let mut record = deltarobot(&["record", &sim.device, utf8(&file)]).spawn().unwrap();
+    until("something was recorded", || fs::read_to_string(&file).is_ok_and(|text| text.lines().count() > 3));
+    interrupt(&record);
+    assert_eq!(record.wait().unwrap().code(), Some(FINISHED));
+    assert!(frames(&file, "controller").len() >= 3);
+    assert!(frames(&file, "host").is_empty());
+}
+
+#[test]
+fn a_recording_is_shown_with_its_times_and_directions() {
+    let recording = fresh("cli-monitored.txt");
+    fs::write(
+        &recording,
+        "# deltarobot recording 1\n0.0 < FF 24 68 00 C6 3A\n0.1 < 24 53 00 B2 3A\n0.2 > 24 41 01 48 E8 3A\n",
+    )
+    .unwrap();
+    assert_eq!(
+        printed(&["monitor", utf8(&recording)], FINISHED),
+        "     0.000 < garbage: FF\n     0.000 < HOMING_REPLY\n     \
+         0.100 < garbage: 24 53 00 B2 3A (checksum B2 instead of B1)\n     0.200 > ACK: (HOMING!)\n\
+         17 bytes in 0.200 s: 2 frames (1 ACK, 1 HOMING_REPLY), 6 bytes of garbage, 1 wrong checksums\n"
+    );
+    let (_, replayed) = outcome(&["replay", utf8(&recording), "-", "--fast"]);
+    assert_eq!(replayed.stdout, b"$A\x01H\xE8:");
+}
+
+#[test]
+fn a_monitor_reads_standard_input() {
+    let mut child =
+        deltarobot(&["monitor", "-", "--json"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(b"$A\x01H\xE8:junk$M\x0C$S\0\xB1:").unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let values: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((&values[0]["opcode"], &values[0]["from"]), (&"ACK".into(), &Value::Null));
+    assert_eq!(values[1]["garbage"], "6A 75 6E 6B 24 4D 0C");
+    assert_eq!((&values[2]["opcode"], &values[2]["from"]), (&"STATUS?".into(), &"host".into()));
+    assert_eq!(values[3]["statistics"]["garbage_bytes"], 7);
+}
+
+#[test]
+fn a_monitor_ends_with_its_reader() {
+    let mut child = deltarobot(&["monitor", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let mut input = child.stdin.take().unwrap();
+    until("the monitor ends", || {
+        let _ = input.write_all(b"$S\0\xB1:");
+        child.try_wait().unwrap().is_some()
+    });
+    assert_eq!(child.wait().unwrap().code(), Some(FINISHED));
+}

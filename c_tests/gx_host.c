@@ -1,0 +1,533 @@
+/* gx_host.h alone, against hand-written answers: how a session begins, what is sent, again too, and how moves end. */
+#include "libdeltarobot/gx_host.h"
+
+#include "check.h"
+#include "wire.h"
+
+#include <limits.h>
+#include <stddef.h>
+
+#define UP(value, type) (((value) + _Alignof(type) - 1) / _Alignof(type) * _Alignof(type))
+#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
+#define AT(type, field, place) SAME(offsetof(struct type, field), place)
+#define LONG sizeof(unsigned long)
+#define INT sizeof(int)
+
+AT(gx_host_settings, answer_ms, 0);
+AT(gx_host_settings, probe_ms, LONG);
+AT(gx_host_settings, move_ms, 2 * LONG);
+AT(gx_host_settings, gap_ms, 3 * LONG);
+AT(gx_host_settings, attempts, 4 * LONG);
+AT(gx_host_settings, window, 4 * LONG + INT);
+AT(gx_host_settings, ascii, 4 * LONG + 2 * INT);
+AT(gx_host_settings, first_number, 4 * LONG + 3 * INT);
+SAME(sizeof(struct gx_host_settings), UP(4 * LONG + 4 * INT, unsigned long));
+AT(gx_host_health, moves, 0);
+AT(gx_host_health, repeats, LONG);
+AT(gx_host_health, completions, 2 * LONG);
+AT(gx_host_health, errors, 3 * LONG);
+AT(gx_host_health, strays, 4 * LONG);
+AT(gx_host_health, reports, 5 * LONG);
+AT(gx_host_health, malformed, 6 * LONG);
+AT(gx_host_health, timeouts, 7 * LONG);
+AT(gx_host_health, sessions, 8 * LONG);
+SAME(sizeof(struct gx_host_health), 9 * LONG);
+SAME(sizeof(struct gx_host_requested), 32);
+SAME(sizeof(struct gx_host_window), UP(GX_WINDOW_MAX * 32 + 28 + 5, int32_t));
+AT(gx_host_event, kind, 0);
+AT(gx_host_event, outcome, INT);
+AT(gx_host_event, code, 2 * INT);
+AT(gx_host_event, number, 3 * INT);
+AT(gx_host_event, position, 4 * INT);
+SAME(sizeof(struct gx_host_event), 4 * INT + sizeof(struct gx_vector));
+#if GX_WINDOW_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
+SAME(sizeof(struct gx_host), 800);
+#endif
+
+static struct gx_host host;
+static unsigned long now;
+static struct gx_host_event event;
+static struct gx_host_settings settings;
+
+#define SAYS(bytes) CHECK(says(bytes, (int)sizeof(bytes) - 1))
+#define HEARS(bytes) hears(bytes, (int)sizeof(bytes) - 1)
+
+static int says(const char *expected, int count)
+{
+    unsigned char out[512];
+    int got = gx_host_output(&host, out, sizeof out, now);
+    if (got == count && memcmp(out, expected, (size_t)count) == 0)
+        return 1;
+    check_dump("said", out, got < 0 ? 0 : (size_t)got);
+    return 0;
+}
+
+static void hears(const void *bytes, int count)
+{
+    CHECK_INT(gx_host_receive(&host, bytes, count, now), count);
+}
+
+static int kind_of_event(void)
+{
+    int rc = gx_host_poll(&host, now, &event);
+    CHECK_INT(rc, event.kind ? GX_RC_SUCCESS : GX_RC_NO_EVENT);
+    return event.kind;
+}
+
+static int ends(int outcome, int code)
+{
+    return CHECK_INT(kind_of_event(), GX_HOST_ENDED) & CHECK_INT(event.outcome, outcome) & CHECK_INT(event.code, code) &
+           CHECK_INT(event.number, -1);
+}
+
+static int nothing_happens(void)
+{
+    return CHECK_INT(kind_of_event(), 0);
+}
+
+static void move(long x, long y, int axes, int velocity)
+{
+    int32_t target[GX_AXES] = {0, 0, 0, 0, 0, 0};
+    target[0] = (int32_t)x;
+    target[1] = (int32_t)y;
+    CHECK_INT(gx_host_move(&host, target, axes, velocity), GX_RC_SUCCESS);
+}
+
+static void begin(void)
+{
+    memset(&host, 0xA5, sizeof host);
+    CHECK_INT(gx_host_init(&host, &settings), GX_RC_SUCCESS);
+    memset(&settings, 0, sizeof settings);
+    now = 0xFFFFFFFFul - 300; /* wraps in between */
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+}
+
+/* From number 0: the requests have numbers 0 and 5461, the first move has 5462 (D6 AA). */
+static void open_session(void)
+{
+    nothing_happens();
+    SAYS("\x1B#\x80\x80~\x80\x80");
+    HEARS("#\x80\x80\n");
+    nothing_happens();
+    SAYS("\x1B#\xD5\xAA~\x80\x80");
+    HEARS("#\x80\x80#\xD5\xAA\n");
+    CHECK_INT(kind_of_event(), GX_HOST_BEGUN);
+    nothing_happens();
+}
+
+static void moves_take_the_shortest_form(void)
+{
+    begin();
+    move(1000, -1000, 3, 1000);
+    move(1001, -1001, 3, -1);
+    move(1001, -1001, 3, 1000);
+    move(1001, -938, 2, -1);
+    move(1001, -1002, 3, -1);
+    move(0, 0, 0, 5);
+    CHECK_INT(gx_host_unfinished(&host), 6);
+    open_session();
+    SAYS("#\xD6\xAA\x21\xC3\xE8\x87\xE8\x87\x80\x80\x98\xF8\xFF\xFF"
+         "#\xD7\xAA\x2A\x83\x81\xFF"
+         "#\xD8\xAA\x2A\x81\x80" /* stays where it is, and has an end all the same */
+         "#\xD9\xAA\x2A\x82\xBF" /* 63 */
+         "#\xDA\xAA\x21\x82\x96\xF8\xFF\xFF" /* -64 is not written as a delta */
+         "#\xDB\xAA\x2A\xC0\x85\x80");
+    HEARS("#\xD6\xAA#\xD7\xAA\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    nothing_happens();
+    HEARS("#\xDA\xAA"); /* the notice before it was lost; this one is told when the line is quiet */
+    nothing_happens();
+    CHECK_INT(gx_host_next_deadline(&host, now), 50);
+    now += 50;
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    nothing_happens();
+    CHECK_INT(gx_host_unfinished(&host), 1);
+    HEARS("#\xDB\xAA\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    move(1002, -1002, 1, -1);
+    SAYS("#\xDC\xAA\x2A\x81\x81"); /* where it stands is known from moves that have ended too */
+    CHECK_INT((long)gx_host_get_health(&host)->moves, 7);
+    CHECK_INT((long)gx_host_get_health(&host)->sessions, 1);
+}
+
+static void in_ascii(void)
+{
+    settings.ascii = 1;
+    settings.window = 1;
+    settings.first_number = 16383;
+    begin();
+    CHECK_INT(gx_host_report(&host, 250), GX_RC_SUCCESS);
+    move(400, 300, 3, 1000);
+    move(401, 300, 3, -1);
+    nothing_happens();
+    SAYS("\x1B#16383R250\n");
+    HEARS("#16383\n");
+    nothing_happens();
+    SAYS("\x1B#5460R250\n");
+    HEARS("#16383\n#5460\n");
+    CHECK_INT(kind_of_event(), GX_HOST_BEGUN);
+    SAYS("#5461V1000x400y300\n");
+    SAYS("");
+    HEARS("=x10y-20\n");
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    CHECK_INT(event.position.mask, 3);
+    CHECK_INT(event.position.axes[0], 10);
+    CHECK_INT(event.position.axes[1], -20);
+    HEARS("#5461\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    SAYS("#5462x401y300\n");
+    /* Reports stay away: they are asked for again. */
+    now += 499;
+    nothing_happens();
+    SAYS("");
+    now += 1;
+    nothing_happens();
+    SAYS("\nR250\n");
+}
+
+static void errors_have_all_sent_again_in_long_form(void)
+{
+    begin();
+    move(1, 1, 3, 7);
+    move(2, 1, 3, -1);
+    move(3, 1, 3, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\xC3\x87\x80\x81\x80\x80\x80\x81\x80\x80\x80#\xD7\xAA\x2A\x81\x81#\xD8\xAA\x2A\x81\x81");
+    HEARS("#\xD6\xAA\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    HEARS("#\xD8\xAA?\x90"); /* 5463 was lost */
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK_INT(event.code, GX_FAULT_ORDER);
+    CHECK_INT(event.number, 5464);
+    nothing_happens();
+    SAYS("#\xD7\xAA\x21\xC3\x87\x80\x82\x80\x80\x80\x81\x80\x80\x80"
+         "#\xD8\xAA\x21\xC3\x87\x80\x83\x80\x80\x80\x81\x80\x80\x80");
+    /* Of what was on its way meanwhile, not at once again. */
+    HEARS("\n?\x84");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK_INT(event.number, -1);
+    nothing_happens();
+    SAYS("");
+    CHECK_INT(gx_host_next_deadline(&host, now), 50); /* the gap; then the rest of 250 */
+    now += 250;
+    nothing_happens();
+    SAYS("#\xD7\xAA\x21\xC3\x87\x80\x82\x80\x80\x80\x81\x80\x80\x80"
+         "#\xD8\xAA\x21\xC3\x87\x80\x83\x80\x80\x80\x81\x80\x80\x80");
+    HEARS("#\xD8\xAA\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    nothing_happens();
+    CHECK_INT((long)gx_host_get_health(&host)->repeats, 4);
+    CHECK_INT((long)gx_host_get_health(&host)->errors, 2);
+}
+
+static void silence_has_the_newest_sent_again_until_time_is_out(void)
+{
+    int i;
+    settings.attempts = 3;
+    begin();
+    move(1, 0, 1, -1);
+    move(2, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80#\xD7\xAA\x2A\x81\x81");
+    for (i = 0; i < 5; ++i) {
+        now += 999;
+        nothing_happens();
+        SAYS("");
+        now += 1;
+        nothing_happens();
+        SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+        HEARS("=!\x81\x80\x80\x80\x80"); /* a sign of life: it is on its way */
+        CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    }
+    for (i = 0; i < 2; ++i) {
+        now += 1000;
+        nothing_happens();
+        SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+    }
+    now += 1000;
+    move(3, 0, 1, -1);
+    CHECK(ends(GX_HOST_TIMED_OUT, 0));
+    CHECK(ends(GX_HOST_TIMED_OUT, 0));
+    CHECK(ends(GX_HOST_DROPPED, 0));
+    nothing_happens();
+    CHECK_INT(gx_host_unfinished(&host), 0);
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+    /* The next move begins a new session, with other numbers. */
+    HEARS("#\xD7\xAA\n");
+    move(4, 0, 1, -1);
+    nothing_happens();
+    SAYS("\x1B#\xAA\xD5~\x80\x80"); /* 10922 */
+    for (i = 0; i < 2; ++i) {
+        now += 250;
+        nothing_happens();
+        SAYS("\x1B#\xAA\xD5~\x80\x80");
+    }
+    now += 250;
+    CHECK(ends(GX_HOST_TIMED_OUT, 0));
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+}
+
+/* The second answer has to have the first before it, or the motion side may not keep numbers in order. */
+static void without_the_first_number_before_the_second_none_begins(void)
+{
+    begin();
+    move(1, 0, 1, -1);
+    nothing_happens();
+    SAYS("\x1B#\x80\x80~\x80\x80");
+    HEARS("#\x80\x80\n");
+    nothing_happens();
+    SAYS("\x1B#\xD5\xAA~\x80\x80");
+    /* Another number between them, and neither counts. */
+    HEARS("#\x80\x80#\x81\x80#\xD5\xAA\n");
+    nothing_happens();
+    SAYS("\x1B#\xAA\xD5~\x80\x80"); /* 10922 */
+    HEARS("#\x80\x80#\xD5\xAA#\xAA\xD5\n");
+    nothing_happens();
+    /* Reports are requested: by what is sent anyway, as no other command may come between. */
+    CHECK_INT(gx_host_report(&host, 1000), GX_RC_SUCCESS);
+    SAYS("\x1B#\xFF\xFF~\xE8\x87"); /* 16383 */
+    CHECK_INT(gx_host_report(&host, 0), GX_RC_SUCCESS);
+    SAYS("\x1B#\xFF\xFF~\x80\x80");
+    HEARS("#\xAA\xD5#\xFF\xFF\n");
+    CHECK_INT(kind_of_event(), GX_HOST_BEGUN);
+    nothing_happens();
+    SAYS("#\x80\x80\x21\x81\x81\x80\x80\x80");
+}
+
+/* A motion side that sends numbers back and nothing more: it is not sent any moves. */
+static void with_a_mere_echo_no_session_begins(void)
+{
+    int asked = 0, i;
+    begin();
+    move(1, 0, 1, -1);
+    for (i = 0; i < 100; ++i) {
+        unsigned char out[64];
+        struct gx_commands reader;
+        struct gx_item item;
+        int length, rc = gx_host_poll(&host, now, &event);
+        if (rc == GX_RC_SUCCESS)
+            break;
+        length = gx_host_output(&host, out, sizeof out, now);
+        if (!CHECK(length > 0))
+            return;
+        ++asked;
+        gx_commands_init(&reader);
+        CHECK_INT(gx_commands_receive(&reader, out, length, &item), length);
+        CHECK_INT(item.kind, GX_REPORTING);
+        length = gx_write_completed(&item.number, out, sizeof out);
+        hears(out, length);
+        HEARS("\n");
+    }
+    CHECK_INT(asked, 16); /* twice for each of 8 attempts */
+    CHECK_INT(event.kind, GX_HOST_ENDED);
+    CHECK_INT(event.outcome, GX_HOST_TIMED_OUT);
+    nothing_happens();
+    CHECK_INT(gx_host_next_deadline(&host, now), 50); /* the gap */
+    now += 50;
+    nothing_happens();
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+}
+
+static void a_move_that_lasts_too_long_times_out(void)
+{
+    settings.move_ms = 500;
+    begin();
+    move(1, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80");
+    now += 499;
+    nothing_happens();
+    now += 1;
+    CHECK(ends(GX_HOST_TIMED_OUT, 0));
+}
+
+static void refused_for_good(void)
+{
+    begin();
+    move(1, 0, 1, -1);
+    move(2, 0, 1, -1);
+    move(3, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80#\xD7\xAA\x2A\x81\x81#\xD8\xAA\x2A\x81\x81");
+    HEARS("#\xD7\xAA?\x93");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    nothing_happens(); /* ends are told in order, and the first is under way */
+    move(4, 0, 1, -1);
+    nothing_happens();
+    SAYS(""); /* a new session would silence it */
+    HEARS("#\xD6\xAA\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    CHECK(ends(GX_HOST_REFUSED, GX_FAULT_AXIS));
+    CHECK(ends(GX_HOST_DROPPED, GX_FAULT_AXIS));
+    nothing_happens();
+    SAYS("\x1B#\xAA\xD5~\x80\x80");
+    CHECK_INT(gx_host_unfinished(&host), 1);
+}
+
+static void no_room_and_then_room(void)
+{
+    begin();
+    move(1, 0, 1, -1);
+    move(2, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80#\xD7\xAA\x2A\x81\x81");
+    HEARS("#\xD7\xAA?\x89");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    nothing_happens();
+    SAYS("");
+    HEARS("#\xD6\xAA\n"); /* now there is */
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+    HEARS("#\xD7\xAA?\x89");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    now += 250;
+    nothing_happens();
+    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+}
+
+static void the_machine_stops(void)
+{
+    begin();
+    move(1, 0, 1, -1);
+    move(2, 0, 1, -1);
+    move(3, 0, 1, -1);
+    open_session();
+    gx_host_output(&host, (unsigned char[128]){0}, 128, now);
+    HEARS("#\xD7\xAA?\xC0"); /* 64, one of the firmware's own */
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK(ends(GX_HOST_FINISHED, 0)); /* or it would not have come to the next */
+    CHECK(ends(GX_HOST_FAILED, 64));
+    CHECK(ends(GX_HOST_DROPPED, 64));
+    nothing_happens();
+    begin();
+    move(1, 0, 1, -1);
+    open_session();
+    gx_host_output(&host, (unsigned char[128]){0}, 128, now);
+    HEARS("#\xD6\xAA?\x91");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK(ends(GX_HOST_LOST, GX_FAULT_CLOSED));
+}
+
+static void strays_change_nothing(void)
+{
+    begin();
+    move(1, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80");
+    HEARS("#\xD5\xAA\n#\xD7\xAA\n#\x80\x80\n");
+    nothing_happens();
+    CHECK_INT((long)gx_host_get_health(&host)->strays, 3);
+    HEARS("#\xD6\xAA\x90"); /* an error notice that has lost its '?' is no completion */
+    nothing_happens();
+    now += 50;
+    nothing_happens();
+    HEARS("#\xD7\xAA?\x93");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    nothing_happens();
+    CHECK_INT(gx_host_unfinished(&host), 1);
+}
+
+static void what_is_not_fetched_stops_the_line(void)
+{
+    begin();
+    CHECK_INT(gx_host_receive(&host, "=x1\n=x2\n", 8, now), 4);
+    CHECK_INT(gx_host_receive(&host, "=x2\n", 4, now), 0);
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    CHECK_INT(event.position.axes[0], 1);
+    CHECK_INT(gx_host_receive(&host, "=x2\n", 4, now), 4);
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    CHECK_INT(event.position.axes[0], 2);
+}
+
+static void hostile(void)
+{
+    unsigned long seed = 99;
+    unsigned char bytes[64], out[128];
+    int32_t target[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
+    int round, i;
+
+    CHECK_INT(gx_host_init(NULL, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_init(&host, NULL), GX_RC_SUCCESS);
+    CHECK_INT(gx_host_move(NULL, target, 1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, NULL, 1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0x20, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0x40, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, -1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, INT_MAX, 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, -2), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, GX_VELOCITY_MAX + 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, INT_MAX), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_unfinished(&host), 0);
+    for (i = 0; i < GX_WINDOW_MAX; ++i)
+        CHECK_INT(gx_host_move(&host, target, 0x1F, GX_VELOCITY_MAX), GX_RC_SUCCESS);
+    CHECK_INT(gx_host_move(&host, target, 0x1F, -1), GX_RC_BUSY);
+    CHECK_INT(gx_host_report(NULL, 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_report(&host, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_report(&host, GX_PERIOD_MAX + 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, NULL, 0, 0), 0);
+    CHECK_INT(gx_host_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_poll(&host, 0, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, out, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, NULL, 0, 0), 0);
+    CHECK_INT(gx_host_next_deadline(NULL, 0), -1);
+    CHECK_INT(gx_host_unfinished(NULL), 0);
+    CHECK(gx_host_get_health(NULL) == NULL);
+
+    /* Memory that holds anything at all, and bytes of the alphabet: no call goes wrong or goes on for ever. */
+    for (round = 0; round < 3000; ++round) {
+        static const char ALPHABET[] = "\x81\x83\x80\xFF\xAA\xD5\xD6###?!=0123 xyzc\n\r-+";
+        int step;
+        if (round % 3 == 0)
+            wire_random_bytes(&seed, &host, sizeof host);
+        else if (round % 3 == 1)
+            memset(&host, round % 2 ? 0xFF : 0, sizeof host);
+        for (step = 0; step < 20; ++step) {
+            int count = (int)(wire_random(&seed) % 64), taken;
+            for (i = 0; i < count; ++i)
+                bytes[i] = (unsigned char)ALPHABET[wire_random(&seed) % (sizeof ALPHABET - 1)];
+            taken = gx_host_receive(&host, bytes, count, now);
+            CHECK(taken >= 0 && taken <= count);
+            for (i = 0; i < 600 && gx_host_poll(&host, now, &event) == GX_RC_SUCCESS; ++i)
+                ;
+            CHECK(i < 600);
+            gx_host_move(&host, target, 1 + step % 31, step % 4 ? -1 : step);
+            if (step % 7 == 0)
+                gx_host_report(&host, step);
+            taken = gx_host_output(&host, out, (int)(wire_random(&seed) % 128), now);
+            CHECK(taken >= 0 && taken <= 128);
+            CHECK(gx_host_next_deadline(&host, now) >= -1);
+            now += wire_random(&seed) % 2000;
+        }
+    }
+}
+
+int main(void)
+{
+    if (GX_WINDOW_MAX >= 6)
+        moves_take_the_shortest_form();
+    in_ascii();
+    if (GX_WINDOW_MAX >= 4) {
+        errors_have_all_sent_again_in_long_form();
+        silence_has_the_newest_sent_again_until_time_is_out();
+        refused_for_good();
+        no_room_and_then_room();
+        the_machine_stops();
+    }
+    without_the_first_number_before_the_second_none_begins();
+    with_a_mere_echo_no_session_begins();
+    a_move_that_lasts_too_long_times_out();
+    strays_change_nothing();
+    what_is_not_fetched_stops_the_line();
+    hostile();
+    return check_summary("gx_host");
+}

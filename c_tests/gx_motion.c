@@ -1,0 +1,585 @@
+/* gx_motion.h alone, by hand-written bytes: what is taken and refused, what is told, and what garbage does. */
+#include "libdeltarobot/gx_motion.h"
+
+#include "check.h"
+#include "wire.h"
+
+#include <limits.h>
+#include <stddef.h>
+
+#define UP(value, type) (((value) + _Alignof(type) - 1) / _Alignof(type) * _Alignof(type))
+#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
+#define AT(type, field, place) SAME(offsetof(struct type, field), place)
+#define LONG sizeof(unsigned long)
+#define INT sizeof(int)
+
+AT(gx_motion_settings, gap_ms, 0);
+AT(gx_motion_settings, axes, LONG);
+AT(gx_motion_settings, only_in_order, LONG + INT);
+SAME(sizeof(struct gx_motion_settings), UP(LONG + 2 * INT, unsigned long));
+AT(gx_motion_health, moves, 0);
+AT(gx_motion_health, repeats, LONG);
+AT(gx_motion_health, refused, 2 * LONG);
+AT(gx_motion_health, malformed, 3 * LONG);
+AT(gx_motion_health, reports, 4 * LONG);
+SAME(sizeof(struct gx_motion_health), 5 * LONG);
+AT(gx_motion_event, kind, 0);
+AT(gx_motion_event, number, INT);
+AT(gx_motion_event, code, 2 * INT);
+AT(gx_motion_event, period, 3 * INT);
+SAME(sizeof(struct gx_motion_event), 4 * INT);
+SAME(sizeof(struct gx_motion_queued), 32);
+SAME(sizeof(struct gx_motion_queue), GX_QUEUE_MAX * 32 + 28 + 4);
+SAME(sizeof(struct gx_motion_notices), 26);
+#if GX_QUEUE_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
+SAME(sizeof(struct gx_motion), 752);
+#endif
+
+static struct gx_motion motion;
+static unsigned long now;
+
+#define FEED(bytes) feed(bytes, (int)sizeof(bytes) - 1)
+#define SAYS(bytes) CHECK(says(bytes, (int)sizeof(bytes) - 1))
+
+static void begin(int axes, int only_in_order)
+{
+    struct gx_motion_settings settings;
+    memset(&settings, 0, sizeof settings);
+    settings.axes = axes;
+    settings.only_in_order = only_in_order;
+    memset(&motion, 0xA5, sizeof motion);
+    CHECK_INT(gx_motion_init(&motion, &settings), GX_RC_SUCCESS);
+}
+
+/* All bytes, byte by byte: gives the last event's kind, and the event. */
+static struct gx_motion_event event;
+
+static int feed(const void *bytes, int count)
+{
+    int i, kind = 0;
+    for (i = 0; i < count; ++i) {
+        struct gx_motion_event next;
+        while (gx_motion_receive(&motion, (const char *)bytes + i, 1, now) == 0)
+            if (!CHECK(gx_motion_poll(&motion, now, &next) == GX_RC_SUCCESS))
+                return -1;
+        while (gx_motion_poll(&motion, now, &next) == GX_RC_SUCCESS) {
+            event = next;
+            kind = event.kind;
+        }
+        CHECK_INT(next.kind, 0);
+    }
+    return kind;
+}
+
+static int says(const char *expected, int count)
+{
+    unsigned char out[256];
+    int got = gx_motion_output(&motion, out, sizeof out, now);
+    if (got == count && memcmp(out, expected, (size_t)count) == 0)
+        return 1;
+    check_dump("said", out, got < 0 ? 0 : (size_t)got);
+    return 0;
+}
+
+/* As a host that begins a session does, from number 10923: 0 lies 5461 behind it, so the first move is 1. */
+static void open_session(void)
+{
+    CHECK_INT(FEED("#10923R0\n"), GX_MOTION_REPORTING);
+    SAYS("#10923\n");
+    CHECK_INT(FEED("#0R0\n"), GX_MOTION_BEGUN);
+    CHECK_INT(event.number, 0);
+    SAYS("#10923\n#0\n");
+}
+
+static int goes(int mask, int number, long x, long y)
+{
+    struct gx_vector move;
+    int its_number;
+    memset(&move, 0x77, sizeof move);
+    if (!CHECK_INT(gx_motion_next(&motion, &move, &its_number), GX_RC_SUCCESS))
+        return 0;
+    return CHECK_INT(move.mask, mask) & CHECK_INT(its_number, number) & CHECK_INT(move.axes[0], x) &
+           CHECK_INT(move.axes[1], y);
+}
+
+static void done(void)
+{
+    CHECK_INT(gx_motion_done(&motion), GX_RC_SUCCESS);
+}
+
+/* The proposal's own moves, without numbers. */
+static void moves_add_up_and_velocity_sticks(void)
+{
+    struct gx_vector move;
+    begin(0, 0);
+    CHECK_INT(FEED("\x21\x83\xE8\x87\x80\x80\x98\xF8\xFF\xFF"), GX_MOTION_QUEUED);
+    CHECK_INT(event.number, -1);
+    CHECK_INT(FEED("\x2A\x83\x81\xFF"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("V1000x400y300\n"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("\x2A\x82\x81"), GX_MOTION_QUEUED);
+    CHECK_INT(gx_motion_unfinished(&motion), 4);
+    CHECK(goes(0x03, -1, 1000, -1000));
+    CHECK(goes(0x03, -1, 1001, -1001));
+    CHECK(goes(0x43, -1, 400, 300));
+    CHECK_INT(gx_motion_next(&motion, &move, NULL), GX_RC_SUCCESS);
+    CHECK_INT(move.mask, 0x42); /* y alone; x stays, and so does the velocity */
+    CHECK_INT(move.axes[0], 400);
+    CHECK_INT(move.axes[1], 301);
+    CHECK_INT(move.velocity, 1000);
+    CHECK_INT(gx_motion_next(&motion, &move, NULL), GX_RC_NO_EVENT);
+    done();
+    done();
+    done();
+    done();
+    CHECK_INT(gx_motion_done(&motion), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_unfinished(&motion), 0);
+    SAYS(""); /* nobody asked for the ends */
+    CHECK_INT(gx_motion_next_deadline(&motion, now + 5000), 0); /* the gap is over */
+    CHECK_INT(gx_motion_poll(&motion, now + 5000, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_next_deadline(&motion, now + 5000), -1);
+}
+
+static void a_step_from_nowhere_or_out_of_range_is_refused(void)
+{
+    int32_t at[GX_AXES] = {0, 0, 0, 0, 0, 0};
+    begin(0, 0);
+    CHECK_INT(FEED("\x2A\x81\x81"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_LIMIT);
+    SAYS("\n?\x88");
+    at[0] = 5;
+    CHECK_INT(gx_motion_set_position(&motion, at), GX_RC_SUCCESS);
+    CHECK_INT(FEED("\x2A\x81\x81"), GX_MOTION_QUEUED);
+    CHECK(goes(0x01, -1, 6, 0));
+    /* What the firmware says is no longer what deltas are added to. */
+    at[0] = 1000;
+    CHECK_INT(gx_motion_set_position(&motion, at), GX_RC_SUCCESS);
+    CHECK_INT(FEED("\x2A\x81\x81"), GX_MOTION_QUEUED);
+    CHECK(goes(0x01, -1, 7, 0));
+    CHECK_INT(FEED("x134217727y-134217728\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x03, -1, GX_POSITION_MAX, GX_POSITION_MIN));
+    CHECK_INT(FEED("\x2A\x83\x81\x81"), GX_MOTION_REFUSED);
+    SAYS("\n?\x88");
+    CHECK_INT(FEED("\x2A\x83\xFF\xFF"), GX_MOTION_REFUSED);
+    SAYS("\n?\x88");
+    CHECK_INT(FEED("\x2A\x83\xFF\x81"), GX_MOTION_QUEUED); /* neither has moved anything */
+    CHECK(goes(0x03, -1, GX_POSITION_MAX - 1, GX_POSITION_MIN + 1));
+    at[5] = GX_POSITION_MAX + 1;
+    CHECK_INT(gx_motion_set_position(&motion, at), GX_RC_ERROR_GENERIC);
+    at[5] = GX_POSITION_MIN - 1;
+    CHECK_INT(gx_motion_set_position(&motion, at), GX_RC_ERROR_GENERIC);
+}
+
+static void numbers_count_in_a_session(int only_in_order)
+{
+    begin(0, only_in_order);
+    if (only_in_order) {
+        CHECK_INT(FEED("#\x81\x80\x21\x81\x85\x80\x80\x80"), GX_MOTION_REFUSED);
+        CHECK_INT(event.code, GX_FAULT_CLOSED);
+        CHECK_INT(event.number, 1);
+        SAYS("#\x81\x80?\x91");
+        CHECK_INT(FEED("x1\n"), GX_MOTION_REFUSED);
+        SAYS("\n?18\n");
+    } else {
+        CHECK_INT(FEED("#\xAA\xD5~\x80\x80"), GX_MOTION_REPORTING); /* 10922 */
+        CHECK_INT(event.number, -1);
+        SAYS("#\xAA\xD5");
+    }
+    CHECK_INT(FEED("#\xFF\xFF~\x80\x80"), GX_MOTION_BEGUN); /* 16383: the next is 0 */
+    CHECK_INT(event.number, 16383);
+    if (only_in_order)
+        SAYS("#\xFF\xFF");
+    else
+        SAYS("#\xAA\xD5#\xFF\xFF");
+    CHECK_INT(FEED("#\x80\x80\x21\x81\x85\x80\x80\x80"), GX_MOTION_QUEUED);
+    /* 1 is lost: 2 is refused, 3 goes with it without a word, and so does what has no number. */
+    CHECK_INT(FEED("#\x82\x80\x2A\x81\x81"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_ORDER);
+    SAYS("#\x82\x80?\x90");
+    CHECK_INT(FEED("#\x83\x80\x2A\x81\x81"), GX_MOTION_REFUSED);
+    SAYS("");
+    CHECK_INT(FEED("\x2A\x81\x81"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_NUMBERLESS);
+    SAYS("\n?\x92");
+    /* The host goes back, and 1 is lost again. */
+    CHECK_INT(FEED("#\x82\x80\x21\x81\x87\x80\x80\x80"), GX_MOTION_REFUSED);
+    SAYS("#\x82\x80?\x90");
+    CHECK_INT(FEED("#\x81\x80\x21\x81\x86\x80\x80\x80"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#\x82\x80\x2A\x81\x81"), GX_MOTION_QUEUED);
+    CHECK(goes(0x01, 0, 5, 0));
+    CHECK(goes(0x01, 1, 6, 0));
+    CHECK(goes(0x01, 2, 7, 0));
+    done();
+    SAYS("#\x80\x80");
+    /* Again what is done, and what is not. */
+    CHECK_INT(FEED("#\x80\x80\x21\x81\x85\x80\x80\x80"), GX_MOTION_REPEATED);
+    SAYS("#\x80\x80");
+    CHECK_INT(FEED("#\x82\x80\x2A\x81\x81"), GX_MOTION_REPEATED);
+    SAYS("=!\xBF\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80");
+    done();
+    done();
+    SAYS("#\x81\x80#\x82\x80");
+    CHECK_INT(gx_motion_next(&motion, &(struct gx_vector){0, 0, {0}}, NULL), GX_RC_NO_EVENT);
+    CHECK_INT((long)gx_motion_get_health(&motion)->moves, 3);
+    CHECK_INT((long)gx_motion_get_health(&motion)->repeats, 2);
+    CHECK_INT((long)gx_motion_get_health(&motion)->refused, only_in_order ? 6 : 4);
+    /* ESC clears what has come; twice, it ends the session. */
+    CHECK_INT(FEED("#\x83\x80\x1B#\x83\x80\x2A\x81\x81"), GX_MOTION_QUEUED);
+    if (only_in_order) {
+        CHECK_INT(FEED("\x1B\x1B#\x84\x80\x2A\x81\x81"), GX_MOTION_REFUSED);
+        CHECK_INT(event.code, GX_FAULT_CLOSED);
+    } else {
+        CHECK_INT(FEED("\x1B\x1B#\x90\x80\x2A\x81\x81"), GX_MOTION_QUEUED);
+        CHECK_INT(FEED("x0\n"), GX_MOTION_QUEUED);
+    }
+}
+
+/* What begins a session is two requests with numbers 5461 apart, and nothing else. */
+static void nothing_else_begins_a_session(void)
+{
+    static const char *const NO_OPENINGS[] = {
+        "#1R0\n",
+        "#1R0\n#1R0\n",
+        "#1R0\n#5461R0\n#5463R0\n",
+        "#5462R0\n#1R0\n",
+        "#1R0\nx0\n#5462R0\n",
+        "#1R0\n#2x0\n#5462R0\n",
+        "#1R0\nR0\n#5462R0\n",
+        "#1R0\n#7R0\n#5462R0\n",
+        "#1R0\n\x1B\x1B#5462R0\n",
+        "#1x0\n#5462x0\n",
+        "#1R0\nR0\n#5462x0\n",
+        "R0\n#5461R0\n"
+    };
+    unsigned i;
+    for (i = 0; i < sizeof NO_OPENINGS / sizeof *NO_OPENINGS; ++i) {
+        unsigned char out[64];
+        begin(0, 0);
+        feed(NO_OPENINGS[i], (int)strlen(NO_OPENINGS[i]));
+        gx_motion_output(&motion, out, sizeof out, now);
+        if (!CHECK_INT(FEED("#9000x1\n"), GX_MOTION_QUEUED))
+            fprintf(stderr, "    %s", NO_OPENINGS[i]);
+    }
+    /* What gets lost on the way there and back is sent again. */
+    begin(0, 0);
+    FEED("#1R0\n#1R0\n");
+    SAYS("#1\n#1\n");
+    FEED("#546\n");
+    SAYS("#546?3\n");
+    CHECK_INT(FEED("#5462R0\n"), GX_MOTION_BEGUN);
+    SAYS("#1\n#5462\n");
+    CHECK_INT(FEED("#5462R0\n"), GX_MOTION_BEGUN);
+    SAYS("#1\n#5462\n");
+    CHECK_INT(FEED("#5463x0\n"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#9000x0\n"), GX_MOTION_REFUSED);
+    SAYS("#9000?16\n");
+    /* Behind moves, a session begins by one. */
+    CHECK_INT(FEED("#8999R0\n"), GX_MOTION_BEGUN);
+    SAYS("#8999\n");
+    CHECK_INT(FEED("#9000x0\n"), GX_MOTION_QUEUED);
+}
+
+static void ascii_is_answered_in_ascii(void)
+{
+    begin(3, 1);
+    CHECK_INT(FEED("#12 R0\n"), GX_MOTION_BEGUN);
+    SAYS("#12\n");
+    CHECK_INT(FEED("#13 V1000x400y300\r\n"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#15x1\n"), GX_MOTION_REFUSED);
+    SAYS("#15?16\n");
+    CHECK_INT(FEED("x1\n"), GX_MOTION_REFUSED);
+    SAYS("\n?18\n");
+    CHECK_INT(FEED("#14 z1\n"), GX_MOTION_REFUSED);
+    SAYS("#14?19\n");
+    CHECK_INT(FEED("#14 x1q\n"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_SYNTAX);
+    SAYS("#14?4\n");
+    CHECK(goes(0x43, 13, 400, 300));
+    done();
+    SAYS("#13\n");
+    /* The number's format is the notice's, whatever the command's. */
+    CHECK_INT(FEED("#14 \x2A\x81\x81"), GX_MOTION_QUEUED);
+    CHECK(goes(0x41, 14, 401, 300));
+    done();
+    SAYS("#14\n");
+}
+
+static void a_velocity_alone_ends_in_its_turn(void)
+{
+    begin(0, 0);
+    open_session();
+    CHECK_INT(FEED("#1 V7\n"), GX_MOTION_QUEUED);
+    SAYS("#1\n"); /* nothing to wait for */
+    CHECK_INT(FEED("#2 x1\n#3 V8\n#4 x2\n"), GX_MOTION_QUEUED);
+    SAYS("");
+    CHECK(goes(0x41, 2, 1, 0));
+    CHECK(goes(0x41, 4, 2, 0));
+    done();
+    SAYS("#2\n#3\n");
+    done();
+    SAYS("#4\n");
+    CHECK_INT(gx_motion_unfinished(&motion), 0);
+}
+
+static void a_full_queue_refuses(void)
+{
+    char text[32];
+    int i;
+    begin(0, 0);
+    open_session();
+    for (i = 1; i <= GX_QUEUE_MAX; ++i)
+        CHECK_INT(feed(text, sprintf(text, "#%d x%d\n", i, i)), GX_MOTION_QUEUED);
+    CHECK_INT(feed(text, sprintf(text, "#%d x%d\n", i, i)), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_BUSY);
+    CHECK(says(text, sprintf(text, "#%d?9\n", i)));
+    CHECK(goes(0x01, 1, 1, 0));
+    done();
+    SAYS("#1\n");
+    CHECK_INT(feed(text, sprintf(text, "#%d x%d\n", i, i)), GX_MOTION_QUEUED);
+    for (i = 2; i <= GX_QUEUE_MAX + 1; ++i) {
+        CHECK(goes(0x01, i, i, 0));
+        done();
+        CHECK(says(text, sprintf(text, "#%d\n", i)));
+    }
+}
+
+static void a_stop_drops_everything(void)
+{
+    begin(0, 0);
+    open_session();
+    FEED("#1 x1y1\n#2 x2\n#3 x3\n");
+    CHECK(goes(0x03, 1, 1, 1));
+    CHECK(goes(0x01, 2, 2, 1));
+    done();
+    CHECK_INT(gx_motion_stop(&motion, 63), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_stop(&motion, 128), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_stop(&motion, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_stop(&motion, 64), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS); /* nothing more to tell */
+    SAYS("#1\n#2?64\n");
+    CHECK_INT(gx_motion_unfinished(&motion), 0);
+    CHECK_INT(gx_motion_done(&motion), GX_RC_NO_EVENT);
+    /* What the host has sent before it heard of that. */
+    CHECK_INT(FEED("#3 x3\n"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_CLOSED);
+    CHECK_INT(FEED("#4 x3\n"), GX_MOTION_REFUSED);
+    CHECK_INT(FEED("x3\n"), GX_MOTION_REFUSED);
+    SAYS("#3?17\n#4?17\n\n?18\n");
+    CHECK_INT(FEED("#3R0\n"), GX_MOTION_BEGUN);
+    CHECK_INT(FEED("#4 \x2A\x81\x81"), GX_MOTION_REFUSED); /* where it stands is not known */
+    SAYS("#3\n#4?8\n");
+    CHECK_INT(FEED("#4 x3\n"), GX_MOTION_QUEUED);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    SAYS("#4?20\n");
+    /* Another host, without sessions. */
+    CHECK_INT(FEED("\x1B\x1Bx9\n"), GX_MOTION_QUEUED);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    SAYS(""); /* it had no number */
+    CHECK_INT(FEED("#9x9\n"), GX_MOTION_QUEUED);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    SAYS("#9?20\n");
+    CHECK_INT(FEED("x9\n"), GX_MOTION_QUEUED);
+}
+
+static void a_new_session_silences_the_old_one(void)
+{
+    begin(0, 0);
+    open_session();
+    FEED("#1 x1\n#2 x2\n");
+    CHECK(goes(0x01, 1, 1, 0));
+    done();
+    FEED("#5000R0\n");
+    SAYS("#5000\n");
+    CHECK_INT(FEED("#5001 x3\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x01, -1, 2, 0)); /* carried out all the same */
+    CHECK(goes(0x01, 5001, 3, 0));
+    done();
+    SAYS("");
+    done();
+    SAYS("#5001\n");
+}
+
+/* A host that knows the proposal and nothing more, from power-up on: `settings` NULL. */
+static void hosts_number_as_they_like(void)
+{
+    static const int32_t AT[GX_AXES] = {0, 0, 0, 0, 0, 0};
+    memset(&motion, 0xA5, sizeof motion);
+    CHECK_INT(gx_motion_init(&motion, NULL), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_set_position(&motion, AT), GX_RC_SUCCESS);
+    CHECK_INT(FEED("#12 V1000x400y300\n"), GX_MOTION_QUEUED);
+    CHECK_INT(event.number, 12);
+    CHECK(goes(0x43, 12, 400, 300));
+    SAYS("");
+    done();
+    SAYS("#12\n");
+    /* The same number again, in another form, a higher and a lower one, none; reports by a number. */
+    CHECK_INT(FEED("#\x8C\x80\x2A\x83\x81\xFF"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#12 \x2A\x81\x81"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("\x21\x82\x85\x80\x80\x80"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#16383R100\n"), GX_MOTION_REPORTING);
+    CHECK_INT(event.period, 100);
+    SAYS("#16383\n=x0y0z0a0b0c0\n");
+    CHECK_INT(FEED("#0x0\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x43, 12, 401, 299));
+    done();
+    SAYS("#\x8C\x80");
+    /* An error notice is about this command alone. */
+    CHECK_INT(FEED("#5 x1x2\n"), GX_MOTION_REFUSED);
+    CHECK_INT(FEED("#3 x1q\n"), GX_MOTION_REFUSED);
+    SAYS("#5?6\n#3?4\n");
+    CHECK_INT(FEED("#4 x2\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x41, 12, 402, 299));
+    done();
+    CHECK(goes(0x42, -1, 402, 5));
+    done();
+    CHECK(goes(0x41, 0, 0, 5));
+    done();
+    CHECK(goes(0x41, 4, 2, 5));
+    done();
+    SAYS("#12\n#0\n#4\n");
+    CHECK_INT(FEED("#\x80\x80~\x80\x80"), GX_MOTION_REPORTING);
+    SAYS("#\x80\x80");
+    CHECK_INT(FEED("x7\n"), GX_MOTION_QUEUED);
+    CHECK_INT((long)gx_motion_get_health(&motion)->refused, 0);
+    CHECK_INT((long)gx_motion_get_health(&motion)->repeats, 0);
+}
+
+static void positions_are_reported_periodically(void)
+{
+    static const int32_t AT[GX_AXES] = {400, -1, 3, 0, 0, GX_POSITION_MIN};
+    begin(3, 0);
+    now = 0xFFFFFFFFul - 99;
+    CHECK_INT(gx_motion_set_position(&motion, AT), GX_RC_SUCCESS);
+    CHECK_INT(FEED("R200\n"), GX_MOTION_REPORTING);
+    CHECK_INT(event.period, 200);
+    CHECK_INT(gx_motion_next_deadline(&motion, now), 0);
+    SAYS("=x400y-1\n");
+    SAYS("");
+    CHECK_INT(gx_motion_next_deadline(&motion, now), 200);
+    now = 100; /* 200 later */
+    SAYS("=x400y-1\n");
+    now = 299;
+    SAYS("");
+    CHECK_INT(FEED("~\xE8\x87"), GX_MOTION_REPORTING);
+    CHECK_INT(event.period, 1000);
+    SAYS("=!\x83\x90\x83\x80\x80\xFF\xFF\xFF\xFF");
+    CHECK_INT(FEED("~\x80\x80"), GX_MOTION_REPORTING);
+    now = 50000;
+    SAYS("");
+    CHECK_INT((long)gx_motion_get_health(&motion)->reports, 3);
+    now = 0;
+}
+
+static void what_is_not_fetched_stops_the_line(void)
+{
+    unsigned char out[64];
+    begin(0, 0);
+    CHECK_INT(gx_motion_receive(&motion, "x1\nx2\n", 6, 0), 3);
+    CHECK_INT(gx_motion_receive(&motion, "x2\n", 3, 0), 0);
+    CHECK_INT(gx_motion_poll(&motion, 0, &event), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_receive(&motion, "x2\n", 3, 0), 3);
+    CHECK_INT(gx_motion_poll(&motion, 0, &event), GX_RC_SUCCESS);
+    FEED("q\nq\nq");
+    CHECK_INT(gx_motion_receive(&motion, "x3\n", 3, 0), 0); /* error notices wait */
+    CHECK_INT(gx_motion_output(&motion, out, 3, 0), 0);     /* each of which takes four bytes */
+    CHECK_INT(gx_motion_output(&motion, out, 5, 0), 4);
+    CHECK_INT(gx_motion_output(&motion, out, 64, 0), 8);
+    CHECK_INT(gx_motion_receive(&motion, "x3\n", 3, 0), 3);
+}
+
+static void half_a_command_is_given_up(void)
+{
+    begin(0, 0);
+    now = 10;
+    CHECK_INT(FEED("#\x81\x80\x21\x83\xE8"), 0);
+    CHECK_INT(gx_motion_next_deadline(&motion, 20), 990);
+    CHECK_INT(gx_motion_poll(&motion, 1009, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_poll(&motion, 1010, &event), GX_RC_SUCCESS);
+    CHECK_INT(event.kind, GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_INTERRUPTED);
+    CHECK_INT(event.number, 1);
+    SAYS("#\x81\x80?\x83");
+    CHECK_INT((long)gx_motion_get_health(&motion)->malformed, 1);
+    now = 0;
+}
+
+static void hostile(void)
+{
+    unsigned long seed = 77;
+    unsigned char bytes[64], out[64];
+    struct gx_vector move = {0, 0, {0}};
+    int round, number;
+
+    CHECK_INT(gx_motion_init(NULL, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_init(&motion, NULL), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, bytes, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, NULL, 0, 0), 0);
+    CHECK_INT(gx_motion_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_poll(&motion, 0, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_next(NULL, &move, &number), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_next(&motion, NULL, &number), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_done(NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_stop(NULL, 0), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_set_position(NULL, move.axes), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_set_position(&motion, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, out, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, NULL, 0, 0), 0);
+    CHECK_INT(gx_motion_next_deadline(NULL, 0), -1);
+    CHECK_INT(gx_motion_unfinished(NULL), 0);
+    CHECK(gx_motion_get_health(NULL) == NULL);
+
+    /* Memory that holds anything at all, and bytes of the alphabet: no call goes wrong or goes on for ever. */
+    for (round = 0; round < 3000; ++round) {
+        static const char ALPHABET[] = "\x1B\x81\x83\x80\xFF\xC1#!*~R0123V xyzc\n\r?=-+";
+        int i, step;
+        if (round % 3 == 0)
+            wire_random_bytes(&seed, &motion, sizeof motion);
+        else if (round % 3 == 1)
+            memset(&motion, round % 2 ? 0xFF : 0, sizeof motion);
+        for (step = 0; step < 20; ++step) {
+            int count = (int)(wire_random(&seed) % 64), taken;
+            for (i = 0; i < count; ++i)
+                bytes[i] = (unsigned char)ALPHABET[wire_random(&seed) % (sizeof ALPHABET - 1)];
+            taken = gx_motion_receive(&motion, bytes, count, now);
+            CHECK(taken >= 0 && taken <= count);
+            for (i = 0; i < 64 && gx_motion_poll(&motion, now, &event) == GX_RC_SUCCESS; ++i)
+                ;
+            CHECK(i < 64);
+            if (step % 3 == 0 && gx_motion_next(&motion, &move, &number) == GX_RC_SUCCESS)
+                gx_motion_done(&motion);
+            if (step % 7 == 0)
+                gx_motion_set_position(&motion, move.axes);
+            taken = gx_motion_output(&motion, out, (int)(wire_random(&seed) % 64), now);
+            CHECK(taken >= 0 && taken <= 64);
+            CHECK(gx_motion_next_deadline(&motion, now) >= -1);
+            now += wire_random(&seed) % 2000;
+        }
+    }
+}
+
+int main(void)
+{
+    /* What these queue has to fit. */
+    if (GX_QUEUE_MAX >= 5) {
+        moves_add_up_and_velocity_sticks();
+        a_step_from_nowhere_or_out_of_range_is_refused();
+        numbers_count_in_a_session(0);
+        numbers_count_in_a_session(1);
+        nothing_else_begins_a_session();
+        a_velocity_alone_ends_in_its_turn();
+        a_stop_drops_everything();
+        a_new_session_silences_the_old_one();
+        hosts_number_as_they_like();
+        what_is_not_fetched_stops_the_line();
+    }
+    ascii_is_answered_in_ascii();
+    a_full_queue_refuses();
+    positions_are_reported_periodically();
+    half_a_command_is_given_up();
+    hostile();
+    return check_summary("gx_motion");
+}

@@ -1,0 +1,776 @@
+/**
+ * @file
+ * libdeltarobot/gx.h: commands and notices of the GX binary vector protocol.
+ *
+ * Generated from src/ffi/gx.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ */
+#ifndef LIBDELTAROBOT_GX_H
+#define LIBDELTAROBOT_GX_H
+
+
+#include <stdint.h>
+
+/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */
+#if defined(GX_QUEUE_MAX) && (GX_QUEUE_MAX) != 16
+#error "libdeltarobot was built with GX_QUEUE_MAX=16: build it again with the size that this program defines"
+#endif
+#if defined(GX_WINDOW_MAX) && (GX_WINDOW_MAX) != 16
+#error "libdeltarobot was built with GX_WINDOW_MAX=16: build it again with the size that this program defines"
+#endif
+/** Moves that the motion side queues. By default 16. */
+#ifndef GX_QUEUE_MAX
+#define GX_QUEUE_MAX 16
+#endif
+/** Most moves of a host that may be unfinished at a time. By default 16. */
+#ifndef GX_WINDOW_MAX
+#define GX_WINDOW_MAX 16
+#endif
+
+/*
+ * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
+ * of other sizes. The plain names are there for programs compiled without it.
+ */
+#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
+#define GX_SIZED_STR_(text) #text
+#define GX_SIZED_STR(text) GX_SIZED_STR_(text)
+#ifdef __USER_LABEL_PREFIX__
+#define GX_SIZED(name) __asm__(GX_SIZED_STR(__USER_LABEL_PREFIX__) name "_16_16")
+#else
+#define GX_SIZED(name) __asm__(name "_16_16")
+#endif
+#else
+#define GX_SIZED(name)
+#define GX_SIZED_BY_MACRO
+#endif
+#ifdef GX_SIZED_BY_MACRO
+#endif
+
+/* Bits of a vector's mask: 1 << i flags axes[i], which are x, y, z, a, b, c. */
+#define GX_MASK_AXES 0x3F
+#define GX_MASK_VELOCITY 0x40
+
+/* Positions in steps: 28 bits. */
+#define GX_POSITION_MIN (-134217728)
+#define GX_POSITION_MAX 134217727
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * Done.
+ */
+#define GX_RC_SUCCESS 0
+
+/**
+ * An argument was NULL or none of its values: nothing was done.
+ */
+#define GX_RC_ERROR_GENERIC 1
+
+/**
+ * The room is too small.
+ */
+#define GX_RC_OVERFLOW 3
+
+/**
+ * There is no room until something was fetched.
+ */
+#define GX_RC_BUSY 5
+
+/**
+ * Nothing has happened, or nothing is there.
+ */
+#define GX_RC_NO_EVENT 6
+
+/**
+ * A value does not fit where it has to go.
+ */
+#define GX_RC_RANGE 10
+
+/**
+ * It starts from a position that is not known.
+ */
+#define GX_RC_NOT_FOUND 11
+
+/**
+ * Written with packed bytes.
+ */
+#define GX_BINARY 1
+
+/**
+ * Written as text.
+ */
+#define GX_ASCII 2
+
+/**
+ * Nothing is complete.
+ */
+#define GX_NONE 0
+
+/**
+ * Command: go to the positions in vector (long form or ASCII). One without axes sets the velocity of those to come.
+ */
+#define GX_MOVE 1
+
+/**
+ * Command: go on by the deltas in vector, each -64 to 63 steps (short form).
+ */
+#define GX_STEP 2
+
+/**
+ * Command: report the position each period milliseconds.
+ */
+#define GX_REPORTING 3
+
+/**
+ * A command or notice that is none; code says what is wrong with it.
+ */
+#define GX_MALFORMED 4
+
+/**
+ * Notice: the command with this number was carried out.
+ */
+#define GX_COMPLETED 5
+
+/**
+ * Notice: the command, with this number if it had one, was not; code says why.
+ */
+#define GX_REFUSED 6
+
+/**
+ * Notice: the position is that in vector.
+ */
+#define GX_POSITION 7
+
+/**
+ * No command begins like that.
+ */
+#define GX_FAULT_UNKNOWN 1
+
+/**
+ * The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it and
+ * is delivered, without a number.
+ */
+#define GX_FAULT_NUMBER 2
+
+/**
+ * Another began before this was complete, or the line fell silent.
+ */
+#define GX_FAULT_INTERRUPTED 3
+
+/**
+ * A byte that has no place there.
+ */
+#define GX_FAULT_SYNTAX 4
+
+/**
+ * It names no axis and no velocity.
+ */
+#define GX_FAULT_EMPTY 5
+
+/**
+ * It names an axis, or the velocity, twice.
+ */
+#define GX_FAULT_REPEATED 6
+
+/**
+ * A value does not fit.
+ */
+#define GX_FAULT_RANGE 7
+
+/**
+ * A step leads out of the positions that there are, or starts where the position is not known.
+ */
+#define GX_FAULT_LIMIT 8
+
+/**
+ * There is no room for another command.
+ */
+#define GX_FAULT_BUSY 9
+
+/**
+ * The number is not the next of its session.
+ */
+#define GX_FAULT_ORDER 16
+
+/**
+ * A number, and no session has begun in which numbers count.
+ */
+#define GX_FAULT_CLOSED 17
+
+/**
+ * No number, in a session where numbers count.
+ */
+#define GX_FAULT_NUMBERLESS 18
+
+/**
+ * The machine does not have that axis.
+ */
+#define GX_FAULT_AXIS 19
+
+/**
+ * The machine has stopped before this move was finished; those behind it are dropped.
+ */
+#define GX_FAULT_STOPPED 20
+
+/**
+ * Codes from here to 127 are the firmware's own.
+ */
+#define GX_FAULT_OWN 64
+
+/**
+ * The largest delta that is written, either way.
+ */
+#define GX_DELTA_MAX 63
+
+/**
+ * The largest velocity, in steps per second.
+ */
+#define GX_VELOCITY_MAX 16383
+
+/**
+ * The largest number of a command.
+ */
+#define GX_NUMBER_MAX 16383
+
+/**
+ * The longest period of position reports, in milliseconds.
+ */
+#define GX_PERIOD_MAX 16383
+
+/**
+ * Room that any one command or notice fits in, in bytes.
+ */
+#define GX_ENCODED_MAX 96
+
+/**
+ * The axes: x, y, z, a, b, c.
+ */
+#define GX_AXES 6
+
+/**
+ * Positions that 28 bits hold, in steps.
+ */
+#define POSITION_MIN -(1 << 27)
+
+/**
+ * See [`POSITION_MIN`].
+ */
+#define POSITION_MAX ((1 << 27) - 1)
+
+/**
+ * The least delta that 7 bits hold. It is decoded, but not written: the proposal speaks of 63 steps either way.
+ */
+#define DELTA_MIN -64
+
+/**
+ * The largest delta, in steps.
+ */
+#define DELTA_MAX 63
+
+/**
+ * The largest velocity, in steps per second: 14 bits.
+ */
+#define VELOCITY_MAX 16383
+
+/**
+ * The largest command number: 14 bits.
+ */
+#define NUMBER_MAX 16383
+
+/**
+ * The longest time between two position reports, in milliseconds: 14 bits.
+ */
+#define PERIOD_MAX 16383
+
+/**
+ * The largest code of an error notice: 7 bits.
+ */
+#define CODE_MAX 127
+
+/**
+ * Axes and velocity: a target, the deltas of a step, or a position. The layout is the proposal's `CPVectorCommand`.
+ */
+struct gx_vector {
+  /**
+   * Along the vector, in steps per second: 0 to 16383.
+   */
+  uint16_t velocity;
+  /**
+   * Which of the values mean something: bit i is `axes[i]`, bit 6 `velocity`.
+   */
+  unsigned char mask;
+  /**
+   * x, y, z, a, b, c in steps: positions are -134217728 to 134217727.
+   */
+  int32_t axes[GX_AXES];
+};
+
+/**
+ * What has come of a command or notice. All zero: nothing.
+ */
+struct gx_scanner {
+  /**
+   * Axes and velocity so far; as the velocity, the period of reports too.
+   */
+  struct gx_vector vector;
+  /**
+   * The value that is being read: packed groups or decimal digits.
+   */
+  uint32_t value;
+  /**
+   * The number of the command, and its format; 0: none.
+   */
+  uint16_t number;
+  unsigned char number_format;
+  unsigned char state;
+  /**
+   * The first byte of what is binary; 0: it is ASCII.
+   */
+  unsigned char start;
+  /**
+   * Flags of the binary values still to come. In ASCII: 1 behind a minus.
+   */
+  unsigned char left;
+  /**
+   * Packed bytes of the value still to come. In ASCII: the number of the word.
+   */
+  unsigned char place;
+};
+
+/**
+ * Receives commands: the motion side's. All zero is a new one.
+ */
+struct gx_commands {
+  struct gx_scanner scanner;
+};
+
+/**
+ * The number of a command as C has it.
+ */
+struct gx_number {
+  /**
+   * 0 to 16383.
+   */
+  uint16_t value;
+  /**
+   * How it is written: `GX_BINARY` or `GX_ASCII`; 0: there is none.
+   */
+  unsigned char format;
+};
+
+/**
+ * What a receiver tells: a command, a notice, a malformed one, or nothing.
+ */
+struct gx_item {
+  /**
+   * What it is: `GX_NONE`, `GX_MOVE` ...
+   */
+  int kind;
+  /**
+   * The number of the command; its format is 0 when it has none.
+   */
+  struct gx_number number;
+  /**
+   * `GX_BINARY` or `GX_ASCII`: how the command or notice was written.
+   */
+  unsigned char format;
+  /**
+   * Of `GX_MALFORMED`: `GX_FAULT_*`. Of `GX_REFUSED`: one of these, or the controller's own, 0 to 127.
+   */
+  unsigned char code;
+  /**
+   * Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted.
+   */
+  uint16_t period;
+  /**
+   * Of `GX_MOVE` and `GX_POSITION`: positions. Of `GX_STEP`: deltas, to be added to the positions. Values that
+   * its mask does not flag are 0.
+   */
+  struct gx_vector vector;
+};
+
+/**
+ * Receives notices: the host's. All zero is a new one.
+ */
+struct gx_notices {
+  struct gx_scanner scanner;
+};
+
+/**
+ * Writes a path: each position of a list is one command, the shortest that leads there from the one before.
+ *
+ * A command names only the axes that change, in the short form if each changes by at most 63 steps, and the velocity
+ * only if that changes. A position that is repeated is a short command of one axis that does not move: who decodes the
+ * commands, each with [`Vector::follow`], gets the same list.
+ *
+ * All zero: the path is of no axis.
+ */
+struct gx_contour {
+  /**
+   * The axes of the path and its velocity, if it has one.
+   */
+  struct gx_vector target;
+  /**
+   * Position and velocity that the commands so far lead to, as far as they are known.
+   */
+  struct gx_vector at;
+};
+
+/**
+ * Makes a receiver of commands of any memory. Zeroed memory is one too.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when commands is NULL.
+ *
+ * ```c
+ * struct gx_commands commands;
+ * gx_commands_init(&commands);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_commands_init(struct gx_commands *commands);
+
+/**
+ * Takes received bytes up to the end of a command, and tells it in item; if none ends there, all of them, and item is
+ * `GX_NONE`. A malformed command is told as `GX_MALFORMED`, once, and with its number if that was complete.
+ *
+ * To be called as long as bytes are left. It may take none of them and tell that what came before is malformed.
+ *
+ * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
+ * bytes is negative.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got;) {
+ *     taken += gx_commands_receive(&commands, in + taken, got - taken, &item);
+ *     handle_item(&item);
+ * }
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_commands_receive(struct gx_commands *commands,
+                        const void *buf,
+                        int bytes,
+                        struct gx_item *item);
+
+/**
+ * To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
+ * and told in item as `GX_MALFORMED`. Else item is `GX_NONE`.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
+ *     handle_item(&item);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_commands_receive`.
+ */
+int gx_commands_idle(struct gx_commands *commands,
+                     struct gx_item *item);
+
+/**
+ * Makes a receiver of notices of any memory. Zeroed memory is one too.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when notices is NULL.
+ *
+ * ```c
+ * struct gx_notices notices;
+ * gx_notices_init(&notices);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_notices_init(struct gx_notices *notices);
+
+/**
+ * Takes received bytes up to the end of a notice, and tells it in item: see `gx_commands_receive`.
+ *
+ * A packed number is a whole notice, but may be the beginning of an error notice too: it is told when the next byte
+ * has come, or by `gx_notices_idle`.
+ *
+ * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
+ * bytes is negative.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got;) {
+ *     taken += gx_notices_receive(&notices, in + taken, got - taken, &item);
+ *     handle_item(&item);
+ * }
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_commands_receive`.
+ */
+int gx_notices_receive(struct gx_notices *notices,
+                       const void *buf,
+                       int bytes,
+                       struct gx_item *item);
+
+/**
+ * To be called when the line has been quiet for longer than a notice takes: tells the completion that could have
+ * become an error notice; anything else that is incomplete is given up and told as `GX_MALFORMED`. Else item is
+ * `GX_NONE`.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
+ *     handle_item(&item);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_commands_receive`.
+ */
+int gx_notices_idle(struct gx_notices *notices,
+                    struct gx_item *item);
+
+/**
+ * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` tell where that is, `GX_STEP`
+ * how far. The position's mask tells which axes are known. Velocities are taken over too.
+ *
+ * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions that
+ * there are, `GX_RC_NOT_FOUND` when it starts from an axis that is not known, `GX_RC_ERROR_GENERIC` when a pointer is
+ * NULL.
+ *
+ * ```c
+ * if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
+ *     printf("x is at %ld\n", (long)position.axes[0]);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_follow(struct gx_vector *position,
+              const struct gx_item *item);
+
+/**
+ * Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
+ * NULL or its format is 0.
+ *
+ * Returns its length in bytes, at most `GX_ENCODED_MAX`; or -`GX_RC_RANGE` when a value or the mask does not fit,
+ * -`GX_RC_OVERFLOW` when the room is too small, -`GX_RC_ERROR_GENERIC` when target is NULL or has an empty mask, a
+ * format is none, buf is NULL or cap negative. The room's contents are then not to be used.
+ *
+ * ```c
+ * const struct gx_vector target = {500, 1 | GX_MASK_VELOCITY, {1000, 0, 0, 0, 0, 0}};
+ * int length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_write_move(int format,
+                  const struct gx_number *number,
+                  const struct gx_vector *target,
+                  void *buf,
+                  int cap);
+
+/**
+ * Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
+ * int length = gx_write_step(NULL, &deltas, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas, void *buf, int cap);
+
+/**
+ * Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
+ * axis that stays where it is. The mask of from tells which axes are known; NULL: none.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_shortest(NULL, &target, &position, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_shortest(const struct gx_number *number,
+                      const struct gx_vector *target,
+                      const struct gx_vector *from,
+                      void *buf,
+                      int cap);
+
+/**
+ * Writes a command to report the position each period milliseconds, 0 to 16383; 0: never.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_reporting(int format, const struct gx_number *number, int period, void *buf, int cap);
+
+/**
+ * Writes the notice that the command with this number was carried out, in the number's format.
+ *
+ * Returns what `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
+ *
+ * ```c
+ * int length = gx_write_completed(&item.number, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_completed(const struct gx_number *number, void *buf, int cap);
+
+/**
+ * Writes the notice that a command was not carried out: with its number, if it had one, in the format of the command.
+ * code is 0 to 127: `GX_FAULT_*` or the firmware's own.
+ *
+ * Without a number it begins with a line end: behind a packed number of the notice before, it would be about that
+ * command.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_refused(int format,
+                     const struct gx_number *number,
+                     int code,
+                     void *buf,
+                     int cap);
+
+/**
+ * Writes a position report. A position has no velocity: flagged, it does not fit.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_position(GX_BINARY, &position, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`.
+ */
+int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
+
+/**
+ * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
+ *
+ * ```c
+ * struct gx_contour contour;
+ * gx_contour_init(&contour, 1 | 2 | 4);
+ * gx_contour_start(&contour, &position);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_contour_init(struct gx_contour *contour,
+                    unsigned char mask);
+
+/**
+ * Tells where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+ * known, as after an error notice.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+ *
+ * ```c
+ * if (item.kind == GX_REFUSED)
+ *     gx_contour_start(&contour, NULL);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_contour_start(struct gx_contour *contour,
+                     const struct gx_vector *start);
+
+/**
+ * Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
+ * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
+ * to 16383, or negative: as before.
+ *
+ * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+ *
+ * ```c
+ * for (int i = 0; i < path_length; ++i)
+ *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_write_move`; position is NULL or points to six values.
+ */
+int gx_contour_segment(struct gx_contour *contour,
+                       const struct gx_number *number,
+                       const int32_t *position,
+                       int velocity,
+                       void *buf,
+                       int cap);
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,530 @@
+/**
+ * @file
+ * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
+ * where something was lost, and tells how they ended.
+ *
+ * Generated from src/ffi/gx_host.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
+ *
+ * A session does no I/O. A loop around it:
+ *
+ * ```c
+ * struct gx_host_event event;
+ * char in[64], out[GX_ENCODED_MAX];
+ * int got = 0, taken = 0, length;
+ *
+ * gx_host_init(&host, NULL);
+ * for (;;) {
+ *     while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+ *         handle_event(&event);
+ *     while (path_goes_on() && gx_host_move(&host, next_position(), 1 | 2, 500) == GX_RC_SUCCESS)
+ *         go_on();
+ *     while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
+ *     if (taken == got) {
+ *         wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
+ *         taken = 0;
+ *         got = uart_read(&uart, in, sizeof in);
+ *     }
+ *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
+ * }
+ * ```
+ *
+ * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
+ * sends them back none begins: moves end as timed out, and are not sent.
+ *
+ * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a move
+ * is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
+ *
+ * What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
+ * or reset. Moves are reported as lost then. Without that setting, one that has begun anew takes what comes from any
+ * host: it carries out again what is sent again, and moves by deltas from where it believes to be.
+ *
+ * Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
+ * one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
+ */
+#ifndef LIBDELTAROBOT_GX_HOST_H
+#define LIBDELTAROBOT_GX_HOST_H
+
+
+#include "libdeltarobot/gx.h"
+
+#ifdef GX_SIZED_BY_MACRO
+#define gx_host_init gx_host_init_16_16
+#define gx_host_move gx_host_move_16_16
+#define gx_host_report gx_host_report_16_16
+#define gx_host_receive gx_host_receive_16_16
+#define gx_host_poll gx_host_poll_16_16
+#define gx_host_output gx_host_output_16_16
+#define gx_host_next_deadline gx_host_next_deadline_16_16
+#define gx_host_unfinished gx_host_unfinished_16_16
+#define gx_host_get_health gx_host_get_health_16_16
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
+ * in the order of the requests.
+ */
+#define GX_HOST_ENDED 1
+
+/**
+ * Event: a position report: position.
+ */
+#define GX_HOST_REPORT 2
+
+/**
+ * Event: an error notice: code, number. What is to be done about it, the session does.
+ */
+#define GX_HOST_ERROR 3
+
+/**
+ * Event: a session has begun.
+ */
+#define GX_HOST_BEGUN 4
+
+/**
+ * Outcome: the move was carried out.
+ */
+#define GX_HOST_FINISHED 1
+
+/**
+ * Outcome: the motion side did not accept the move. It was not carried out.
+ */
+#define GX_HOST_REFUSED 2
+
+/**
+ * Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
+ */
+#define GX_HOST_FAILED 3
+
+/**
+ * Outcome: the move was not begun, since one before it was refused or has failed, or the session ended before it was
+ * sent.
+ */
+#define GX_HOST_DROPPED 4
+
+/**
+ * Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
+ */
+#define GX_HOST_TIMED_OUT 5
+
+/**
+ * Outcome: the motion side has begun anew, or does not take this for a session any more. Whether the move was carried
+ * out is not known.
+ */
+#define GX_HOST_LOST 6
+
+/**
+ * Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+ */
+struct gx_host_settings {
+  /**
+   * How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
+   */
+  unsigned long answer_ms;
+  /**
+   * How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
+   */
+  unsigned long probe_ms;
+  /**
+   * A session is given up when a move takes longer than this from its turn on; by default 120000.
+   */
+  unsigned long move_ms;
+  /**
+   * A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
+   */
+  unsigned long gap_ms;
+  /**
+   * How often something is sent without any answer before the session is given up; by default 8. Below 0: without
+   * end.
+   */
+  int attempts;
+  /**
+   * Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
+   * side queues are refused by it, and sent again.
+   */
+  int window;
+  /**
+   * Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
+   */
+  int ascii;
+  /**
+   * The number that the first session begins with, 0 to 16383.
+   */
+  int first_number;
+};
+
+/**
+ * Counters of a host session since it began; they wrap.
+ */
+struct gx_host_health {
+  /**
+   * Moves sent, each counted once.
+   */
+  unsigned long moves;
+  /**
+   * Moves sent again.
+   */
+  unsigned long repeats;
+  /**
+   * Notices that moves were carried out.
+   */
+  unsigned long completions;
+  /**
+   * Error notices.
+   */
+  unsigned long errors;
+  /**
+   * Notices of numbers that nothing unfinished has: late, or told again.
+   */
+  unsigned long strays;
+  /**
+   * Position reports.
+   */
+  unsigned long reports;
+  /**
+   * Malformed notices.
+   */
+  unsigned long malformed;
+  /**
+   * Answers that did not come in time.
+   */
+  unsigned long timeouts;
+  /**
+   * Sessions begun.
+   */
+  unsigned long sessions;
+};
+
+/**
+ * A requested move. Its fields are private.
+ */
+struct gx_host_requested {
+  /**
+   * Where all axes are after it and the velocity then in force, as far as the mask says that they are known.
+   */
+  struct gx_vector target;
+  /**
+   * The mask of what was requested.
+   */
+  unsigned char named;
+  /**
+   * Whether it was sent as absolute positions.
+   */
+  unsigned char absolute;
+  /**
+   * 0, or how it ended and why.
+   */
+  unsigned char outcome;
+  unsigned char code;
+};
+
+/**
+ * The requested moves, the oldest first: some that were sent, then some that were not. Its fields are private.
+ */
+struct gx_host_window {
+  struct gx_host_requested moves[GX_WINDOW_MAX];
+  /**
+   * Where the last move that is not among them any more leads to.
+   */
+  struct gx_vector base;
+  /**
+   * The number of the oldest, if that was sent.
+   */
+  unsigned short first;
+  unsigned char head;
+  unsigned char count;
+  /**
+   * How many have been sent in this session, and have their numbers.
+   */
+  unsigned char sent;
+};
+
+/**
+ * A host session. Its fields are private; all zero is a new session with default settings.
+ */
+struct gx_host {
+  struct gx_host_settings settings;
+  struct gx_host_health health;
+  struct gx_host_window window;
+  /**
+   * The last report.
+   */
+  struct gx_vector position;
+  struct gx_notices receiver;
+  /**
+   * When the last bytes came.
+   */
+  unsigned long arrived_at;
+  /**
+   * When the first of what has no answer yet was sent; when a move has ended, or the first was sent; when moves were
+   * sent again because of an error; since when the motion side has no room.
+   */
+  unsigned long asked_at;
+  unsigned long progressed_at;
+  unsigned long went_back_at;
+  unsigned long held_at;
+  /**
+   * When reports were asked for, or the last came.
+   */
+  unsigned long reports_at;
+  /**
+   * The number of the request that begins a session.
+   */
+  unsigned short opening;
+  /**
+   * How often the position is to be reported, in milliseconds.
+   */
+  unsigned short period;
+  /**
+   * The number in the last error notice.
+   */
+  unsigned short error_number;
+  /**
+   * Its code, and whether it has a number.
+   */
+  unsigned char error_code;
+  unsigned char error_numbered;
+  /**
+   * One of the stages below.
+   */
+  unsigned char stage;
+  /**
+   * What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
+   */
+  unsigned char send;
+  unsigned char tell;
+  /**
+   * What else is the case: bits of `IS_*`.
+   */
+  unsigned char is;
+  /**
+   * The next of the sent moves to be sent again; as many as were sent if there is none.
+   */
+  unsigned char cursor;
+  /**
+   * How often something was sent since the last answer.
+   */
+  unsigned char unanswered;
+};
+
+/**
+ * Something that happened.
+ */
+struct gx_host_event {
+  /**
+   * What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
+   */
+  int kind;
+  /**
+   * Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
+   */
+  int outcome;
+  /**
+   * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
+   */
+  int code;
+  /**
+   * Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others.
+   */
+  int number;
+  /**
+   * Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone.
+   */
+  struct gx_vector position;
+};
+
+/**
+ * Begins a session. Memory that is all zero is one too, with the default settings.
+ *
+ * settings are copied; NULL stands for the defaults.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * ```c
+ * struct gx_host_settings settings = {0};
+ * settings.window = 4;
+ * gx_host_init(&host, &settings);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED("gx_host_init");
+
+/**
+ * Requests a move behind those requested before. The end comes as an event.
+ *
+ * target holds `GX_AXES` positions in steps, x first; those that axes, a mask, flags (`1 << GX_AXIS`) are where these
+ * axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
+ * of the move before holds. Without any axis, only the velocity is set.
+ *
+ * Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
+ * `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
+ * axis nor velocity.
+ *
+ * ```c
+ * const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
+ * if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
+ *     puts("first, events have to be fetched");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`; target is NULL or points to six values.
+ */
+int gx_host_move(struct gx_host *host,
+                 const int32_t *target,
+                 int axes,
+                 int velocity)
+GX_SIZED("gx_host_move");
+
+/**
+ * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
+ * are asked for again when they stay away.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+ *
+ * ```c
+ * if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
+ *     puts("no such period");
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. host was begun by `gx_host_init` or is all zero.
+ */
+int gx_host_report(struct gx_host *host,
+                   int period_ms)
+GX_SIZED("gx_host_report");
+
+/**
+ * Takes received bytes; `now_ms` is when they came.
+ *
+ * Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
+ * rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got; handle_events(&host))
+ *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+int gx_host_receive(struct gx_host *host,
+                    const void *buf,
+                    int bytes,
+                    unsigned long now_ms)
+GX_SIZED("gx_host_receive");
+
+/**
+ * Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
+ * there is none; what is to be sent after that tells `gx_host_output`.
+ *
+ * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
+ * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct gx_host_event event;
+ * while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+ *     if (event.kind == GX_HOST_ENDED)
+ *         printf("the oldest move: outcome %d\n", event.outcome);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+int gx_host_poll(struct gx_host *host,
+                 unsigned long now_ms,
+                 struct gx_host_event *event)
+GX_SIZED("gx_host_poll");
+
+/**
+ * Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
+ * `gx_host_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
+ *
+ * Returns how many bytes were written, 0 when there is nothing to send or no room for the next command, or
+ * -`GX_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+ *
+ * ```c
+ * int length = gx_host_output(&host, out, sizeof out, now_ms());
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_host_output");
+
+/**
+ * How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
+ * the output was fetched: what it returns is then what poll(2) takes as time-out.
+ *
+ * Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+ *
+ * ```c
+ * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+long gx_host_next_deadline(const struct gx_host *host,
+                           unsigned long now_ms)
+GX_SIZED("gx_host_next_deadline");
+
+/**
+ * How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
+ *
+ * ```c
+ * if (gx_host_unfinished(&host) == 0)
+ *     puts("all moves have ended");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished");
+
+/**
+ * How the link does: NULL when host is, else counters that live and change with the session.
+ *
+ * ```c
+ * const struct gx_host_health *health = gx_host_get_health(&host);
+ * printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_host_report`.
+ */
+const struct gx_host_health *gx_host_get_health(const struct gx_host *host) GX_SIZED("gx_host_get_health");
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,548 @@
+/**
+ * @file
+ * libdeltarobot/gx_motion.h: the motion side of the GX protocol, for firmware: takes commands, queues the moves, tells
+ * how they end, reports the position.
+ *
+ * Generated from src/ffi/gx_motion.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
+ *
+ * It does no I/O. The firmware's main loop calls:
+ *
+ * ```c
+ * struct gx_motion_event event;
+ * struct gx_vector target;
+ * int length;
+ *
+ * taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
+ * while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
+ *     ;
+ * motors_count(steps);
+ * gx_motion_set_position(&motion, steps);
+ * if (motors_have_arrived())
+ *     gx_motion_done(&motion);
+ * if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
+ *     motors_start(target.mask, target.axes, target.velocity);
+ * if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
+ * proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position, or
+ * a move to a position.
+ *
+ * What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
+ * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
+ * has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
+ * move of one, which nobody can tell from a true one.
+ */
+#ifndef LIBDELTAROBOT_GX_MOTION_H
+#define LIBDELTAROBOT_GX_MOTION_H
+
+
+#include "libdeltarobot/gx.h"
+
+#ifdef GX_SIZED_BY_MACRO
+#define gx_motion_init gx_motion_init_16_16
+#define gx_motion_receive gx_motion_receive_16_16
+#define gx_motion_poll gx_motion_poll_16_16
+#define gx_motion_next gx_motion_next_16_16
+#define gx_motion_done gx_motion_done_16_16
+#define gx_motion_stop gx_motion_stop_16_16
+#define gx_motion_set_position gx_motion_set_position_16_16
+#define gx_motion_output gx_motion_output_16_16
+#define gx_motion_next_deadline gx_motion_next_deadline_16_16
+#define gx_motion_unfinished gx_motion_unfinished_16_16
+#define gx_motion_get_health gx_motion_get_health_16_16
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * Event: a move was queued, for `gx_motion_next` to fetch.
+ */
+#define GX_MOTION_QUEUED 1
+
+/**
+ * Event: a move that was queued before came again. There is nothing to do.
+ */
+#define GX_MOTION_REPEATED 2
+
+/**
+ * Event: a command was refused: code.
+ */
+#define GX_MOTION_REFUSED 3
+
+/**
+ * Event: a host has begun a session; its request for position reports holds too.
+ */
+#define GX_MOTION_BEGUN 4
+
+/**
+ * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is sent
+ * back, and not told here.)
+ */
+#define GX_MOTION_REPORTING 5
+
+/**
+ * Settings of a motion side. 0 stands for the default everywhere.
+ */
+struct gx_motion_settings {
+  /**
+   * An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
+   * default 1000, as somebody may be typing.
+   */
+  unsigned long gap_ms;
+  /**
+   * Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
+   * leave them out. By default all six.
+   */
+  int axes;
+  /**
+   * Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
+   * refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
+   * off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
+   * session. By default moves are taken with any number, or none, until a host begins a session.
+   */
+  int only_in_order;
+};
+
+/**
+ * Counters of a motion side since it began; they wrap.
+ */
+struct gx_motion_health {
+  /**
+   * Moves queued.
+   */
+  unsigned long moves;
+  /**
+   * Moves that were queued before and came again: not carried out twice.
+   */
+  unsigned long repeats;
+  /**
+   * Moves refused, told or not.
+   */
+  unsigned long refused;
+  /**
+   * Malformed commands.
+   */
+  unsigned long malformed;
+  /**
+   * Position reports sent.
+   */
+  unsigned long reports;
+};
+
+/**
+ * A queued move. Its fields are private.
+ */
+struct gx_motion_queued {
+  /**
+   * Where all axes are to be after it, the velocity in force, and which axes it names.
+   */
+  struct gx_vector target;
+  unsigned short number;
+  unsigned char numbered;
+};
+
+/**
+ * The queue of a motion side: first the moves that have ended, then those that are carried out, then those that wait.
+ * Its fields are private.
+ */
+struct gx_motion_queue {
+  struct gx_motion_queued moves[GX_QUEUE_MAX];
+  /**
+   * Where the last of them leads to; the mask tells the axes whose place is known.
+   */
+  struct gx_vector last;
+  unsigned char head;
+  unsigned char count;
+  /**
+   * How many of them the firmware has taken, and how many of these it has done.
+   */
+  unsigned char begun;
+  unsigned char done;
+};
+
+/**
+ * When the position is to be reported. Its fields are private.
+ */
+struct gx_motion_reports {
+  unsigned long sent_at;
+  /**
+   * In milliseconds; 0: none are wanted.
+   */
+  unsigned short period;
+  unsigned char format;
+  /**
+   * One is due now.
+   */
+  unsigned char due;
+};
+
+/**
+ * A notice, its command's number and format packed. Its fields are private.
+ */
+struct gx_motion_notice {
+  unsigned short number;
+  /**
+   * What `pack` made of the number's format.
+   */
+  unsigned char numbered;
+  unsigned char format;
+  /**
+   * 0: completed.
+   */
+  unsigned char code;
+};
+
+/**
+ * A few notices, the oldest first. Its fields are private.
+ */
+struct gx_motion_notices {
+  struct gx_motion_notice list[4];
+  unsigned char count;
+};
+
+/**
+ * The order of numbers at the motion side. Its fields are private; all zero: none is kept.
+ */
+struct gx_motion_order {
+  /**
+   * The number that the next command has to have.
+   */
+  unsigned short next;
+  /**
+   * The number that was refused last.
+   */
+  unsigned short refused;
+  /**
+   * One more than the number of the request for reports that came last; 0: another command has come since.
+   */
+  unsigned short asked;
+  /**
+   * Whether that one came directly behind the one whose number lies a stride before.
+   */
+  unsigned char paired;
+  /**
+   * One of the stages below.
+   */
+  unsigned char stage;
+  /**
+   * Whether nothing was taken since the last one was refused.
+   */
+  unsigned char refusing;
+};
+
+/**
+ * An event that was not fetched yet. Its fields are private.
+ */
+struct gx_motion_untold {
+  /**
+   * Number, or period.
+   */
+  unsigned short value;
+  unsigned char numbered;
+  unsigned char code;
+  /**
+   * 0: none.
+   */
+  unsigned char kind;
+};
+
+/**
+ * A motion side. Its fields are private; all zero is a new one with default settings.
+ */
+struct gx_motion {
+  struct gx_motion_settings settings;
+  struct gx_motion_health health;
+  struct gx_motion_queue queue;
+  /**
+   * What is reported.
+   */
+  struct gx_vector position;
+  struct gx_motion_reports reports;
+  struct gx_motion_notices notices;
+  struct gx_motion_order order;
+  struct gx_motion_untold untold;
+  struct gx_commands receiver;
+  /**
+   * When the last bytes came.
+   */
+  unsigned long arrived_at;
+  /**
+   * Whether the line was not quiet since.
+   */
+  unsigned char busy;
+  /**
+   * Whether the last byte was ESC.
+   */
+  unsigned char escaped;
+};
+
+/**
+ * Something that happened.
+ */
+struct gx_motion_event {
+  /**
+   * What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`.
+   */
+  int kind;
+  /**
+   * The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`.
+   */
+  int number;
+  /**
+   * Of `GX_MOTION_REFUSED`, why: `GX_FAULT_*`; 0 of others.
+   */
+  int code;
+  /**
+   * Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
+   */
+  int period;
+};
+
+/**
+ * Begins a motion side. Memory that is all zero is one too, with the default settings.
+ *
+ * settings are copied; NULL stands for the defaults.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
+ *
+ * ```c
+ * struct gx_motion_settings settings = {0};
+ * settings.axes = 1 | 2 | 4;
+ * gx_motion_init(&motion, &settings);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int gx_motion_init(struct gx_motion *motion,
+                   const struct gx_motion_settings *settings)
+GX_SIZED("gx_motion_init");
+
+/**
+ * Takes received bytes; `now_ms` is when they came.
+ *
+ * Moves are queued as they come, whatever number they have or none, unless a host begins a session: by two numbered
+ * requests for position reports without another command between them, the second number 5461 behind the first (modulo
+ * 16384). The second is answered by both numbers. From there on each move has to carry the next number: what was taken
+ * before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
+ * (`GX_FAULT_NUMBERLESS`) is refused. Another numbered request for position reports begins a new session. Behind
+ * `gx_motion_stop`, moves are refused until one begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come
+ * again.
+ *
+ * Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
+ * then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got; serve(&motion))
+ *     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_receive(struct gx_motion *motion,
+                      const void *buf,
+                      int bytes,
+                      unsigned long now_ms)
+GX_SIZED("gx_motion_receive");
+
+/**
+ * Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
+ * there is none.
+ *
+ * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
+ * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct gx_motion_event event;
+ * while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
+ *     printf("event %d\n", event.kind);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_poll(struct gx_motion *motion,
+                   unsigned long now_ms,
+                   struct gx_motion_event *event)
+GX_SIZED("gx_motion_poll");
+
+/**
+ * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done.
+ *
+ * move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
+ * all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,
+ * receives the move's number, or -1 when it has none or its session is over.
+ *
+ * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when there is none, or `GX_RC_ERROR_GENERIC` when motion or move is NULL.
+ *
+ * ```c
+ * struct gx_vector target;
+ * if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
+ *     motors_start(target.mask, target.axes, target.velocity);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_next(struct gx_motion *motion,
+                   struct gx_vector *move,
+                   int *number)
+GX_SIZED("gx_motion_next");
+
+/**
+ * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is told to the host.
+ *
+ * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
+ * NULL.
+ *
+ * ```c
+ * if (motors_have_arrived())
+ *     gx_motion_done(&motion);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_done(struct gx_motion *motion)
+GX_SIZED("gx_motion_done");
+
+/**
+ * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
+ * the host is told. One that had begun a session has to begin a new one. Where the machine is has to be told by
+ * `gx_motion_set_position` before moves by deltas are taken.
+ *
+ * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
+ *
+ * ```c
+ * if (stop_is_pressed() && motors_stop() == 0)
+ *     gx_motion_stop(&motion, 0);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. motion was begun by `gx_motion_init` or is all zero.
+ */
+int gx_motion_stop(struct gx_motion *motion,
+                   int code)
+GX_SIZED("gx_motion_stop");
+
+/**
+ * Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
+ * deltas are added to. position holds `GX_AXES` values in steps, x first.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
+ * nothing changes then.
+ *
+ * ```c
+ * int32_t steps[GX_AXES];
+ * motors_count(steps);
+ * gx_motion_set_position(&motion, steps);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`; position is NULL or points to six values.
+ */
+int gx_motion_set_position(struct gx_motion *motion,
+                           const int32_t *position)
+GX_SIZED("gx_motion_set_position");
+
+/**
+ * Fetches the bytes to send: whole notices and reports, as many as fit; `now_ms` is when they leave. To be called
+ * after `gx_motion_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
+ *
+ * Returns how many bytes were written, 0 when there is nothing to send or no room for the next notice, or
+ * -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
+ *
+ * ```c
+ * int length = gx_motion_output(&motion, out, sizeof out, now_ms());
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_output(struct gx_motion *motion,
+                     void *buf,
+                     int cap,
+                     unsigned long now_ms)
+GX_SIZED("gx_motion_output");
+
+/**
+ * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
+ * are no events left and the output was fetched.
+ *
+ * Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
+ *
+ * ```c
+ * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+long gx_motion_next_deadline(const struct gx_motion *motion,
+                             unsigned long now_ms)
+GX_SIZED("gx_motion_next_deadline");
+
+/**
+ * How many moves are queued or being carried out; 0 also when motion is NULL.
+ *
+ * ```c
+ * if (gx_motion_unfinished(&motion) == 0)
+ *     motors_stop();
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unfinished");
+
+/**
+ * What was seen: NULL when motion is, else counters that live and change with it.
+ *
+ * ```c
+ * const struct gx_motion_health *health = gx_motion_get_health(&motion);
+ * printf("%lu moves, %lu refused\n", health->moves, health->refused);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `gx_motion_stop`.
+ */
+const struct gx_motion_health *gx_motion_get_health(const struct gx_motion *motion)
+GX_SIZED("gx_motion_get_health");
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,476 @@
+/**
+ * @file
+ * libdeltarobot/line_device.h: the device's end of the Ozeki line protocol's link, for firmware: tells which devices
+ * are there, takes commands, has them executed, answers them, and sends events.
+ *
+ * Generated from src/ffi/line_device.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
+ *
+ * A main loop around it:
+ *
+ * ```c
+ * unsigned char in[64];
+ * int got = 0, taken = 0;
+ *
+ * olp_device_init(&device, &table, &uart);
+ * for (;;) {
+ *     if (taken == got) {
+ *         taken = 0;
+ *         got = uart_read(&uart, in, sizeof in);
+ *     }
+ *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+ *     olp_device_poll(&device, now_ms());
+ *     if (there_is_news()) {
+ *         olp_begin(&event, text, sizeof text, "heaterinfo");
+ *         olp_add_float(&event, "temp", temperature, 2);
+ *         olp_device_event(&device, &event, "M1F910");
+ *     }
+ * }
+ * ```
+ *
+ * What it answers to what:
+ *
+ *     intact command           ack if acks are in force, then <command>_resp
+ *     its repeat               the same again; it is not executed again (see repeat_ms)
+ *     linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
+ *                              understood stays as it is
+ *     unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
+ *     refused by its function  ack, onerror refused, and the command's t
+ *     executed, but the answer can't be sent    ack, onerror toolong, and the command's t
+ *     wrong checksum, missing checksum when one is in force, too long, unreadable
+ *                              onerror with code checksum, overflow or malformed; nothing is executed
+ */
+#ifndef LIBDELTAROBOT_LINE_DEVICE_H
+#define LIBDELTAROBOT_LINE_DEVICE_H
+
+
+#include "libdeltarobot/line_protocol.h"
+
+#ifdef OLP_SIZED_BY_MACRO
+#define olp_device_init olp_device_init_255_8_128_16
+#define olp_device_restart olp_device_restart_255_8_128_16
+#define olp_device_linksetup olp_device_linksetup_255_8_128_16
+#define olp_device_receive olp_device_receive_255_8_128_16
+#define olp_device_poll olp_device_poll_255_8_128_16
+#define olp_device_event olp_device_event_255_8_128_16
+#define olp_device_get_health olp_device_get_health_255_8_128_16
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * Length of the longest id that a device behind a link may have.
+ */
+#define OLP_ID_MAX 10
+
+/**
+ * The answer to a command.
+ */
+struct olp_device_answer {
+  /**
+   * When the command was executed, or repeated last.
+   */
+  unsigned long since;
+  /**
+   * The command's checksum.
+   */
+  unsigned int sum;
+  /**
+   * The command's t.
+   */
+  unsigned char t;
+  /**
+   * Length of the answer; 0 when there is none.
+   */
+  unsigned char length;
+  /**
+   * The answer, a line with its LF.
+   */
+  unsigned char text[OLP_REPLY_MAX];
+};
+
+/**
+ * The answers to the last commands. All zero is one without any.
+ */
+struct olp_device_answers {
+  struct olp_device_answer slots[OLP_WINDOW_MAX];
+  unsigned char newest;
+  /**
+   * Not 0: the newest command has just been executed, which may have taken longer than the time in it says.
+   */
+  unsigned char fresh;
+};
+
+/**
+ * How the link does. The counters wrap.
+ */
+struct olp_device_health {
+  /**
+   * Commands that were received intact, repeats among them.
+   */
+  unsigned long commands;
+  /**
+   * Commands that came again and were only answered again.
+   */
+  unsigned long repeats;
+  /**
+   * Lines whose checksum was wrong or missing.
+   */
+  unsigned long checksums;
+  /**
+   * Lines that could not be read.
+   */
+  unsigned long malformed;
+  /**
+   * Lines that were too long.
+   */
+  unsigned long overflows;
+  /**
+   * Commands that were refused: by their function, or because nobody knows their id or name.
+   */
+  unsigned long refused;
+};
+
+/**
+ * What a link does. All zero is how each begins: no acks, no checksums, one command at a time.
+ */
+struct olp_device_setup {
+  unsigned char ack;
+  unsigned char checksum;
+  /**
+   * Commands that may be unanswered; 0 stands for 1.
+   */
+  unsigned char window;
+};
+
+/**
+ * What is known of the link. All zero is one that has just been connected.
+ */
+struct olp_device_link {
+  struct olp_device_answers answers;
+  struct olp_device_health health;
+  /**
+   * For how many milliseconds repeats are expected; 0 stands for 3000.
+   */
+  unsigned long repeat_ms;
+  /**
+   * The checksum of the linksetup that was refused last for want of one; 0, which no line has, when another came
+   * after it.
+   */
+  unsigned int doubted;
+  struct olp_device_setup setup;
+  /**
+   * The t of the next message.
+   */
+  unsigned char next;
+};
+
+/**
+ * A device behind the link, as its welcome tells. The texts end with a zero byte.
+ */
+struct olp_device_info {
+  /**
+   * 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
+   */
+  const char *id;
+  /**
+   * What it is, e.g. OzekiSwitchController.
+   */
+  const char *type;
+  /**
+   * Its place; 0: it is not told.
+   */
+  int pos;
+  /**
+   * Its name; NULL: it has none.
+   */
+  const char *name;
+  /**
+   * Its version; NULL: it has none.
+   */
+  const char *version;
+};
+
+/**
+ * Executes a command: reads its parameters from command, and adds those of the answer (but for id and t, which are
+ * added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
+ * then. Both are gone when the function returns. It may use the device, which however receives nothing meanwhile.
+ *
+ * ```c
+ * int set_switch(const struct olp_message *command, struct olp_encoder *answer, void *usr)
+ * {
+ *     long state;
+ *     if (olp_get_int(command, "state", 0, &state) != OLP_RC_SUCCESS)
+ *         return -1;
+ *     olp_add_int(answer, "state", switch_to(state));
+ *     return 0;
+ * }
+ * ```
+ */
+typedef int (*olp_run_func_t)(const struct olp_message *command, struct olp_encoder *answer, void *usr);
+
+/**
+ * A command that a device executes.
+ */
+struct olp_command {
+  /**
+   * The device's id; NULL: each device has it. The first command that fits is taken.
+   */
+  const char *id;
+  /**
+   * The command's name, of `[a-z0-9]`.
+   */
+  const char *name;
+  /**
+   * What executes it; NULL: it is refused.
+   */
+  olp_run_func_t run;
+};
+
+/**
+ * Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
+ * line asks again.
+ *
+ * ```c
+ * int send_line(const void *line, int bytes, void *usr)
+ * {
+ *     return uart_write((struct uart *)usr, line, bytes);
+ * }
+ * ```
+ */
+typedef int (*olp_send_func_t)(const void *line, int bytes, void *usr);
+
+/**
+ * What is behind a link, and how to send to its other end.
+ */
+struct olp_device_table {
+  /**
+   * The devices, at least one. The first stands for all of them where the link itself has something to tell.
+   */
+  const struct olp_device_info *devices;
+  /**
+   * Their number.
+   */
+  int device_count;
+  /**
+   * What they execute. linksetup is not among it: the library does that.
+   */
+  const struct olp_command *commands;
+  /**
+   * Number of commands.
+   */
+  int command_count;
+  /**
+   * Sends a line.
+   */
+  olp_send_func_t send;
+  /**
+   * For how many milliseconds after a command, or its last repeat, a repeat is recognised; 0 stands for 3000. It has
+   * to be more than the other end waits before it repeats. After that, the same line with the same t is a new
+   * command.
+   */
+  unsigned long repeat_ms;
+};
+
+/**
+ * The line that is being received: one at a time, as long as a command may be.
+ */
+struct olp_device_input {
+  struct olp_assembly assembly;
+  /**
+   * What was received: 0 nothing yet, the length of a line, or 255: one that was too long.
+   */
+  unsigned char received;
+  unsigned char line[OLP_COMMAND_MAX];
+};
+
+/**
+ * The device's end of a link. Its fields are private.
+ */
+struct olp_device {
+  struct olp_device_link link;
+  const struct olp_device_table *table;
+  void *usr;
+  /**
+   * How many devices were welcomed.
+   */
+  int welcomed;
+  struct olp_device_input input;
+  /**
+   * The setup to tell by an event of its own, if `tells` is not 0.
+   */
+  struct olp_device_setup own;
+  unsigned char tells;
+  /**
+   * Not 0 while `olp_device_poll` runs.
+   */
+  unsigned char serving;
+};
+
+/**
+ * Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
+ * when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
+ * array has to be.
+ *
+ * ```c
+ * static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, NULL, NULL}};
+ * static const struct olp_command commands[] = {{NULL, "setswitch", set_switch}};
+ * static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
+ * olp_device_init(&device, &table, &uart);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. table's counts, texts and functions are what it says, and
+ * its functions can be called with usr; it stays there, unchanged, as long as the device is used.
+ */
+int olp_device_init(struct olp_device *device,
+                    const struct olp_device_table *table,
+                    void *usr)
+OLP_SIZED("olp_device_init");
+
+/**
+ * Begins anew, as after `olp_device_init`: to be called when another connection is made.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+ *
+ * ```c
+ * if (was_reconnected())
+ *     olp_device_restart(&device);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. device was made by `olp_device_init` or is all zero.
+ */
+int olp_device_restart(struct olp_device *device)
+OLP_SIZED("olp_device_restart");
+
+/**
+ * Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
+ * (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
+ * be unanswered, 1 to `OLP_WINDOW_MAX`.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
+ * window is out of range.
+ *
+ * ```c
+ * if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
+ *     olp_device_poll(&device, now_ms());
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_device_restart`.
+ */
+int olp_device_linksetup(struct olp_device *device,
+                         int ack,
+                         int checksum,
+                         int window)
+OLP_SIZED("olp_device_linksetup");
+
+/**
+ * Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
+ * line, no more are taken. Not for interrupts that may come during another call on the same device.
+ *
+ * Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
+ * -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
+ * and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
+ *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_device_restart`.
+ */
+int olp_device_receive(struct olp_device *device,
+                       const void *buf,
+                       int bytes,
+                       unsigned long now_ms)
+OLP_SIZED("olp_device_receive");
+
+/**
+ * Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
+ * firmware's main loop.
+ *
+ * Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
+ * called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
+ * `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
+ * `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+ *
+ * ```c
+ * while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
+ *     ;
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_device_restart`.
+ */
+int olp_device_poll(struct olp_device *device,
+                    unsigned long now_ms)
+OLP_SIZED("olp_device_poll");
+
+/**
+ * Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
+ * here. Its buffer is the caller's, and as long as the line may be.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
+ * when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
+ * sent then.
+ *
+ * ```c
+ * char text[OLP_REPLY_MAX];
+ * olp_begin(&event, text, sizeof text, "heaterinfo");
+ * olp_add_float(&event, "temp", 21.5f, 2);
+ * olp_device_event(&device, &event, "M1F910");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_device_restart`; event was begun and its buffer is still there; id is NULL or a string.
+ */
+int olp_device_event(struct olp_device *device,
+                     struct olp_encoder *event,
+                     const char *id)
+OLP_SIZED("olp_device_event");
+
+/**
+ * How the link does: NULL when device is, else counters that live and change with the device.
+ *
+ * ```c
+ * const struct olp_device_health *health = olp_device_get_health(&device);
+ * printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_device_restart`.
+ */
+const struct olp_device_health *olp_device_get_health(const struct olp_device *device)
+OLP_SIZED("olp_device_get_health");
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

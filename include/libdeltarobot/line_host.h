@@ -1,0 +1,787 @@
+/**
+ * @file
+ * libdeltarobot/line_host.h: the PC's end of the Ozeki line protocol's link: sends commands, repeats them, tells how
+ * they ended and what the devices say.
+ *
+ * Generated from src/ffi/line_host.rs for these sizes: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
+ *
+ * A session does no I/O. A loop around it:
+ *
+ * ```c
+ * struct olp_host_event event;
+ * char in[64], out[OLP_COMMAND_MAX];
+ * int got = 0, taken = 0, length;
+ *
+ * olp_host_init(&host, NULL);
+ * for (;;) {
+ *     while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+ *         handle_event(&event);
+ *     while ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
+ *     if (taken == got) {
+ *         wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
+ *         taken = 0;
+ *         got = uart_read(&uart, in, sizeof in);
+ *     }
+ *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+ * }
+ * ```
+ *
+ * handle_event() calls, of the first OLP_HOST_WELCOME,
+ *
+ * ```c
+ * olp_host_setup(&host, "sf6z34", 1, 1, -1);
+ * ```
+ *
+ * and when that has ended as OLP_HOST_ANSWERED
+ *
+ * ```c
+ * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
+ * ```
+ *
+ * What holds for the outcome of a command, if the device recognises repeats:
+ *
+ *     acks on, checksums on    ANSWERED: carried out once. REFUSED: not at all. Else once or not at all.
+ *     acks on, checksums off   the same, if no line to the device is damaged: it carries out what arrives.
+ *     acks off                 the same, if no line is damaged, none takes longer than timeout_ms there and back, and
+ *                              no two commands of one name and id are on their way: an answer tells no number.
+ *     checksums on             in any case: once or not at all.
+ *
+ * A device that starts anew in between may carry a command out again, and a damaged line has the right checksum once in
+ * some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
+ * commands are repeated only when the device asks for it, or the settings say that it recognises repeats. The order in
+ * which commands are carried out is that of sending while the window is 1; in a larger one, repeated ones fall behind.
+ */
+#ifndef LIBDELTAROBOT_LINE_HOST_H
+#define LIBDELTAROBOT_LINE_HOST_H
+
+
+#include "libdeltarobot/line_protocol.h"
+
+#ifdef OLP_SIZED_BY_MACRO
+#define olp_host_init olp_host_init_255_8_128_16
+#define olp_host_setup olp_host_setup_255_8_128_16
+#define olp_host_send olp_host_send_255_8_128_16
+#define olp_host_receive olp_host_receive_255_8_128_16
+#define olp_host_poll olp_host_poll_255_8_128_16
+#define olp_host_output olp_host_output_255_8_128_16
+#define olp_host_next_deadline olp_host_next_deadline_255_8_128_16
+#define olp_host_get_link olp_host_get_link_255_8_128_16
+#define olp_host_device olp_host_device_255_8_128_16
+#define olp_host_get_health olp_host_get_health_255_8_128_16
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * There is no room.
+ */
+#define OLP_RC_OVERFLOW 3
+
+/**
+ * Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
+ * `OLP_RC_SUCCESS`, or `OLP_RC_TOO_LONG` when the id is longer than `OLP_HOST_ID_MAX` (-1) or another text was cut
+ * off, `OLP_RC_OVERFLOW` when the table is full, `OLP_RC_NOT_FOUND` when it has no id.
+ */
+#define OLP_HOST_WELCOME 1
+
+/**
+ * Event: what is in force on the link was told, or has changed: `link`.
+ */
+#define OLP_HOST_LINKSETUP 2
+
+/**
+ * Event: the device has acknowledged the command `handle`. Once for each.
+ */
+#define OLP_HOST_ACKED 3
+
+/**
+ * Event: the command `handle` has ended as `outcome` says. Exactly once for each.
+ */
+#define OLP_HOST_ENDED 4
+
+/**
+ * Event: another line came from the device: `message`.
+ */
+#define OLP_HOST_LINE 5
+
+/**
+ * Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
+ * damaged number makes a gap too.
+ */
+#define OLP_HOST_LOST 6
+
+/**
+ * Event: the device reports an error: `message`. It is about the command `handle`, as far as that can be told; else
+ * that is 0.
+ */
+#define OLP_HOST_ERROR 7
+
+/**
+ * Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
+ */
+#define OLP_HOST_DROPPED 8
+
+/**
+ * Outcome: the device has carried the command out, and answered: `message`. (Or it says by `onerror` with the code
+ * `toolong` that its answer is too long for it.)
+ */
+#define OLP_HOST_ANSWERED 1
+
+/**
+ * Outcome: the device did not carry it out, and says so: `message`, an `onerror`.
+ */
+#define OLP_HOST_REFUSED 2
+
+/**
+ * Outcome: what was to come back did not come. Whether the command was carried out is not known. (If it was
+ * acknowledged, the device has it.)
+ */
+#define OLP_HOST_TIMED_OUT 3
+
+/**
+ * Outcome: the device has started anew. Whether the command was carried out before that is not known.
+ */
+#define OLP_HOST_RESTARTED 4
+
+/**
+ * Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
+ */
+#define OLP_HOST_NOT_SENT 5
+
+/**
+ * Longest id that a device in the table may have.
+ */
+#define OLP_HOST_ID_MAX 15
+
+/**
+ * Longest type of a device that is kept whole.
+ */
+#define OLP_HOST_TYPE_MAX 47
+
+/**
+ * Longest name of a device that is kept whole.
+ */
+#define OLP_HOST_NAME_MAX 31
+
+/**
+ * Longest version of a device that is kept whole.
+ */
+#define OLP_HOST_VERSION_MAX 15
+
+/**
+ * Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
+ */
+struct olp_host_settings {
+  /**
+   * How long an ack may take; 0: 500. (The page gives no times.)
+   */
+  unsigned long timeout_ms;
+  /**
+   * How long an answer may take, from when the command was sent last; 0: as long as an ack.
+   */
+  unsigned long answer_ms;
+  /**
+   * How long after a command was sent first it may still be repeated; 0: 2000. For longer than this, and the time
+   * that a line may be on its way, a device has to remember which commands it has carried out (`olp_device`: 3000
+   * by default).
+   */
+  unsigned long repeat_ms;
+  /**
+   * How often a command may be repeated; 0: 3; below 0: never.
+   */
+  int repeats;
+  /**
+   * Not 0: the device recognises repeated commands, so that they are repeated without acks too.
+   */
+  int recognises;
+};
+
+/**
+ * Counters of a host session since it began; they wrap.
+ */
+struct olp_host_health {
+  /**
+   * Lines received that can be read.
+   */
+  unsigned long lines;
+  /**
+   * Of these, acks, answers and refusals that nothing was waiting for.
+   */
+  unsigned long strays;
+  /**
+   * Lines that can't be read.
+   */
+  unsigned long malformed;
+  /**
+   * Lines that were too long.
+   */
+  unsigned long overlong;
+  /**
+   * Messages that the device has sent, as the gaps in their numbers show, and that were not received.
+   */
+  unsigned long lost;
+  /**
+   * Errors that the device has reported.
+   */
+  unsigned long errors;
+  /**
+   * Times that the device started anew.
+   */
+  unsigned long restarts;
+  /**
+   * Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first.
+   */
+  unsigned long overflows;
+  /**
+   * Acks and answers that did not come in time.
+   */
+  unsigned long timeouts;
+  /**
+   * Commands that were repeated, because of that or because the device has asked for it.
+   */
+  unsigned long repeats;
+  /**
+   * Number of round trips measured: from a command that was sent once to what came back first. Times in
+   * milliseconds.
+   */
+  unsigned long rtt_count;
+  /**
+   * The last round-trip time.
+   */
+  unsigned long rtt_last;
+  /**
+   * The shortest round-trip time.
+   */
+  unsigned long rtt_min;
+  /**
+   * The longest round-trip time.
+   */
+  unsigned long rtt_max;
+  /**
+   * Sum of the round-trip times: divided by `rtt_count`, their average.
+   */
+  unsigned long rtt_sum;
+};
+
+/**
+ * What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
+ * one command at a time (section "Link Setup command").
+ */
+struct olp_host_link {
+  /**
+   * Not 0: the device acknowledges commands.
+   */
+  int ack;
+  /**
+   * Not 0: commands have a Fletcher-16 checksum.
+   */
+  int checksum;
+  /**
+   * Number of commands that may be unanswered, 0 to 65535; 0 is as good as 1. No more than `OLP_WINDOW_MAX` ever
+   * are.
+   */
+  unsigned int windowsize;
+};
+
+/**
+ * A command that the device may remember. Its fields are private.
+ */
+struct olp_host_recent {
+  unsigned short sum;
+  unsigned char t;
+  unsigned char used;
+};
+
+/**
+ * The counter of a session. Its fields are private.
+ */
+struct olp_host_counter {
+  /**
+   * Numbers and checksums of the last commands: newer ones take the place of the oldest.
+   */
+  struct olp_host_recent recent[64];
+  /**
+   * By how much the number has advanced in all: damaged ones may turn it round more than once.
+   */
+  unsigned int advanced;
+  /**
+   * Where the next goes.
+   */
+  unsigned char place;
+  /**
+   * The next number.
+   */
+  unsigned char next;
+  /**
+   * Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows.
+   */
+  unsigned char counts;
+  /**
+   * Not 0: a number of the device's is known, from which one can tell that some are missing.
+   */
+  unsigned char heard;
+};
+
+/**
+ * One command. Its fields are private.
+ */
+struct olp_host_slot {
+  /**
+   * When it was sent first and last.
+   */
+  unsigned long first_at;
+  unsigned long sent_at;
+  /**
+   * What the caller knows it by.
+   */
+  int handle;
+  /**
+   * Its place in the order in which commands are queued.
+   */
+  unsigned int order;
+  /**
+   * Places of its first and last line in the order in which lines are sent.
+   */
+  unsigned int first_line;
+  unsigned int last_line;
+  /**
+   * By how much the counter had advanced when it was sent first.
+   */
+  unsigned int mark;
+  /**
+   * Checksum of the line.
+   */
+  unsigned short sum;
+  /**
+   * How far it is; 0 when there is none.
+   */
+  unsigned char stage;
+  /**
+   * How it ended.
+   */
+  unsigned char outcome;
+  /**
+   * How often it was sent.
+   */
+  unsigned char sent;
+  /**
+   * The line's number.
+   */
+  unsigned char t;
+  /**
+   * Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
+   */
+  unsigned char flags;
+  /**
+   * The text as the caller built it, and behind that the id, encoded.
+   */
+  unsigned char command_length;
+  unsigned char id_length;
+  /**
+   * Number of older commands that have ended, and may have been carried out after it.
+   */
+  unsigned char overtaken;
+  char text[54];
+};
+
+/**
+ * A device. Its texts are decoded and end with a 0; those it did not tell are empty.
+ */
+struct olp_host_device {
+  /**
+   * What it is called in messages.
+   */
+  char id[OLP_HOST_ID_MAX + 1];
+  /**
+   * What it is, e.g. `OzekiSwitchController`.
+   */
+  char type[OLP_HOST_TYPE_MAX + 1];
+  /**
+   * What its user calls it.
+   */
+  char name[OLP_HOST_NAME_MAX + 1];
+  /**
+   * Its version.
+   */
+  char version[OLP_HOST_VERSION_MAX + 1];
+  /**
+   * Its place among the devices behind the microcontroller; 0 when it did not tell one.
+   */
+  int pos;
+  /**
+   * Not 0: its type, name or version is longer than there is room, and was cut off.
+   */
+  int cut;
+};
+
+/**
+ * The devices of a session. Its fields are private.
+ */
+struct olp_host_devices {
+  struct olp_host_device device[OLP_DEVICES_MAX];
+  /**
+   * Not 0: has signed in since the microcontroller started last.
+   */
+  unsigned char signed_in[OLP_DEVICES_MAX];
+  int count;
+};
+
+/**
+ * A host session but for what it receives. Its fields are private.
+ */
+struct olp_host_session {
+  struct olp_host_settings settings;
+  struct olp_host_health health;
+  /**
+   * When bytes were received last.
+   */
+  unsigned long heard_at;
+  struct olp_host_link link;
+  /**
+   * The window that was asked for last: a damaged answer shall not make it larger.
+   */
+  unsigned int asked;
+  /**
+   * Place in the order and handle of the command queued last.
+   */
+  unsigned int order;
+  int handle;
+  /**
+   * Number of lines sent.
+   */
+  unsigned int lines;
+  /**
+   * Handle of the command whose ack was the last line, or 0; and of that which an event is about.
+   */
+  int acked;
+  int concerned;
+  /**
+   * What is to be told: bits of `TELL_*`.
+   */
+  int tell;
+  /**
+   * The length of the line that was received, -1 of one that was too long, 0 when there is none.
+   */
+  int held;
+  /**
+   * How and where the device that has signed in is listed.
+   */
+  int listed_at;
+  unsigned char listed;
+  /**
+   * Number of messages lost.
+   */
+  unsigned char lost;
+  /**
+   * Not 0: all that the line means has been concluded.
+   */
+  unsigned char understood;
+  /**
+   * Not 0: not all bytes were taken, so that it is too early to look at the time.
+   */
+  unsigned char partial;
+  /**
+   * Not 0: the device has just told what is in force.
+   */
+  unsigned char own_setup;
+  struct olp_host_counter counter;
+  struct olp_host_slot slots[OLP_WINDOW_MAX];
+  struct olp_host_devices devices;
+};
+
+/**
+ * A host session. Its fields are private; all zero is a new session with default settings.
+ */
+struct olp_host {
+  struct olp_receiver receiver;
+  struct olp_host_session session;
+};
+
+/**
+ * Something that happened.
+ */
+struct olp_host_event {
+  /**
+   * What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`.
+   */
+  int kind;
+  /**
+   * Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others.
+   */
+  int handle;
+  /**
+   * Of `OLP_HOST_ENDED`, one of `OLP_HOST_ANSWERED` to `OLP_HOST_NOT_SENT`; 0 of others.
+   */
+  int outcome;
+  /**
+   * Of `OLP_HOST_WELCOME`, the place in the table; -1 of others.
+   */
+  int device;
+  /**
+   * Of `OLP_HOST_WELCOME` and `OLP_HOST_DROPPED`, one of `OLP_RC_*`; 0 of others.
+   */
+  int error;
+  /**
+   * Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others.
+   */
+  int lost;
+  /**
+   * What is in force on the link.
+   */
+  struct olp_host_link link;
+  /**
+   * The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
+   * Empty where an event has none.
+   */
+  struct olp_message message;
+};
+
+/**
+ * Begins a session. Memory that is all zero is one too, with the default settings.
+ *
+ * settings are copied; NULL stands for the defaults.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+ *
+ * ```c
+ * struct olp_host_settings settings = {0};
+ * settings.recognises = 1;
+ * olp_host_init(&host, &settings);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED("olp_host_init");
+
+/**
+ * Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
+ * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+ *
+ * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
+ * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
+ * first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
+ * the answer does not tell is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
+ *
+ * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
+ * a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
+ * forgets them.
+ *
+ * Returns a handle or an error as `olp_host_send` does.
+ *
+ * ```c
+ * if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
+ *     puts("first, events have to be fetched");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_send`.
+ */
+int olp_host_setup(struct olp_host *host,
+                   const char *id,
+                   int ack,
+                   int checksum,
+                   long windowsize)
+OLP_SIZED("olp_host_setup");
+
+/**
+ * Queues a command for the device id, a string that is encoded as needed.
+ *
+ * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
+ * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has neither a
+ * checksum nor parameters named `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
+ * bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
+ * With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
+ * optional, write numbers without needless decimals.
+ *
+ * `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
+ *
+ * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
+ * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
+ * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
+ *
+ * ```c
+ * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
+ * if (handle == -OLP_RC_BUSY)
+ *     puts("first, events have to be fetched");
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero; id is
+ * NULL or a string.
+ */
+int olp_host_send(struct olp_host *host,
+                  const char *command,
+                  int length,
+                  const char *id)
+OLP_SIZED("olp_host_send");
+
+/**
+ * Takes received bytes, up to the end of a line; `now_ms` is when they came.
+ *
+ * Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
+ * more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
+ * Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got; handle_events(&host))
+ *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+int olp_host_receive(struct olp_host *host,
+                     const void *buf,
+                     int bytes,
+                     unsigned long now_ms)
+OLP_SIZED("olp_host_receive");
+
+/**
+ * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
+ * there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
+ * lost, dropped, error, linksetup, acked, ended, welcome, line.
+ *
+ * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct olp_host_event event;
+ * while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+ *     if (event.kind == OLP_HOST_ENDED)
+ *         printf("command %d: outcome %d\n", event.handle, event.outcome);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero.
+ */
+int olp_host_poll(struct olp_host *host,
+                  unsigned long now_ms,
+                  struct olp_host_event *event)
+OLP_SIZED("olp_host_poll");
+
+/**
+ * Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
+ * for at least `OLP_COMMAND_MAX` bytes; with more, it writes as many lines as there are and fit.
+ *
+ * Returns how many bytes were written, 0 when there is nothing to send or no room for the next line, or
+ * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+ *
+ * ```c
+ * char out[OLP_COMMAND_MAX];
+ * int length = olp_host_output(&host, out, sizeof out, now_ms());
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+int olp_host_output(struct olp_host *host,
+                    void *buf,
+                    int cap,
+                    unsigned long now_ms)
+OLP_SIZED("olp_host_output");
+
+/**
+ * How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
+ * are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
+ *
+ * Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+ *
+ * ```c
+ * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+long olp_host_next_deadline(const struct olp_host *host,
+                            unsigned long now_ms)
+OLP_SIZED("olp_host_next_deadline");
+
+/**
+ * What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
+ * nor checksums, and a window of 1.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct olp_host_link link;
+ * if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
+ *     puts("lines have checksums");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+int olp_host_get_link(const struct olp_host *host,
+                      struct olp_host_link *link)
+OLP_SIZED("olp_host_get_link");
+
+/**
+ * Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
+ * change, and it stays there when the microcontroller starts anew.
+ *
+ * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ *
+ * ```c
+ * struct olp_host_device device;
+ * for (int i = 0; olp_host_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
+ *     printf("%s: %s\n", device.id, device.type);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+int olp_host_device(const struct olp_host *host,
+                    int index,
+                    struct olp_host_device *device)
+OLP_SIZED("olp_host_device");
+
+/**
+ * How the link does: NULL when host is, else counters that live and change with the session.
+ *
+ * ```c
+ * const struct olp_host_health *health = olp_host_get_health(&host);
+ * if (health->rtt_count > 0)
+ *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_host_poll`.
+ */
+const struct olp_host_health *olp_host_get_health(const struct olp_host *host)
+OLP_SIZED("olp_host_get_health");
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

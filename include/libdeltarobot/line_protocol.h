@@ -1,0 +1,775 @@
+/**
+ * @file
+ * libdeltarobot/line_protocol.h: lines of the Ozeki line protocol: checksum, reading, building, receiving.
+ *
+ * Generated from src/ffi/line_protocol.rs for these sizes: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ *
+ * Reading:
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got;) {
+ *     float temperature;
+ *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
+ *     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
+ *         olp_is(&message, "c", 0, "heaterinfo") &&
+ *         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
+ *         show(temperature);
+ * }
+ * ```
+ *
+ * Writing:
+ *
+ * ```c
+ * char text[OLP_COMMAND_MAX];
+ * struct olp_encoder encoder;
+ * olp_begin_command(&encoder, text, sizeof text, "setswitch");
+ * olp_add_int(&encoder, "state", 1);
+ * olp_add_int(&encoder, "t", 11);
+ * olp_add_string(&encoder, "id", "9o5qzg");
+ * if ((length = olp_finish(&encoder, 1)) > 0)
+ *     uart_write(&uart, text, length);
+ * ```
+ */
+#ifndef LIBDELTAROBOT_LINE_PROTOCOL_H
+#define LIBDELTAROBOT_LINE_PROTOCOL_H
+
+
+/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */
+#if defined(OLP_LINE_MAX) && (OLP_LINE_MAX) != 255
+#error "libdeltarobot was built with OLP_LINE_MAX=255: build it again with the size that this program defines"
+#endif
+#if defined(OLP_WINDOW_MAX) && (OLP_WINDOW_MAX) != 8
+#error "libdeltarobot was built with OLP_WINDOW_MAX=8: build it again with the size that this program defines"
+#endif
+#if defined(OLP_REPLY_MAX) && (OLP_REPLY_MAX) != 128
+#error "libdeltarobot was built with OLP_REPLY_MAX=128: build it again with the size that this program defines"
+#endif
+#if defined(OLP_DEVICES_MAX) && (OLP_DEVICES_MAX) != 16
+#error "libdeltarobot was built with OLP_DEVICES_MAX=16: build it again with the size that this program defines"
+#endif
+/** Longest line that a line receiver takes, in bytes without its end: from the 63 of a command up. By default 255. */
+#ifndef OLP_LINE_MAX
+#define OLP_LINE_MAX 255
+#endif
+/** Most commands unanswered at a time: the host keeps them to repeat them, a device keeps its answers. By default 8. */
+#ifndef OLP_WINDOW_MAX
+#define OLP_WINDOW_MAX 8
+#endif
+/** Longest line that a device sends, in bytes with its end: 64 to 255. By default 128. */
+#ifndef OLP_REPLY_MAX
+#define OLP_REPLY_MAX 128
+#endif
+/** Devices that a host knows at a time. By default 16. */
+#ifndef OLP_DEVICES_MAX
+#define OLP_DEVICES_MAX 16
+#endif
+
+/*
+ * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
+ * of other sizes. The plain names are there for programs compiled without it.
+ */
+#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
+#define OLP_SIZED_STR_(text) #text
+#define OLP_SIZED_STR(text) OLP_SIZED_STR_(text)
+#ifdef __USER_LABEL_PREFIX__
+#define OLP_SIZED(name) __asm__(OLP_SIZED_STR(__USER_LABEL_PREFIX__) name "_255_8_128_16")
+#else
+#define OLP_SIZED(name) __asm__(name "_255_8_128_16")
+#endif
+#else
+#define OLP_SIZED(name)
+#define OLP_SIZED_BY_MACRO
+#endif
+#ifdef OLP_SIZED_BY_MACRO
+#define olp_receiver_init olp_receiver_init_255_8_128_16
+#define olp_receive olp_receive_255_8_128_16
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
+/**
+ * The operation completed.
+ */
+#define OLP_RC_SUCCESS 0
+
+/**
+ * A NULL pointer or an argument out of range: nothing was done.
+ */
+#define OLP_RC_ERROR_GENERIC 1
+
+/**
+ * Not now: something else has to end first.
+ */
+#define OLP_RC_BUSY 5
+
+/**
+ * Nothing has happened.
+ */
+#define OLP_RC_NO_EVENT 6
+
+/**
+ * Text is not what it should be: an escape without its two digits, a value that is no number, a line feed within a
+ * line.
+ */
+#define OLP_RC_MALFORMED 8
+
+/**
+ * A line is longer than may be sent, or does not fit the buffer.
+ */
+#define OLP_RC_TOO_LONG 9
+
+/**
+ * A number is beyond what its type holds.
+ */
+#define OLP_RC_RANGE 10
+
+/**
+ * There is no such parameter.
+ */
+#define OLP_RC_NOT_FOUND 11
+
+/**
+ * The first parameter of a line is not `c`, or there is none.
+ */
+#define OLP_RC_NO_COMMAND 12
+
+/**
+ * A name is not of `[a-z0-9]`; a command's may also have `_`.
+ */
+#define OLP_RC_NAME 13
+
+/**
+ * Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer.
+ */
+#define OLP_COMMAND_MAX 64
+
+/**
+ * Most decimals that a float is written with.
+ */
+#define OLP_DECIMALS_MAX 9
+
+/**
+ * The line has no checksum.
+ */
+#define OLP_CHECKSUM_NONE 0
+
+/**
+ * The line has the right checksum.
+ */
+#define OLP_CHECKSUM_RIGHT 1
+
+/**
+ * The line has a checksum, and it is wrong: some of the line is not what was sent.
+ */
+#define OLP_CHECKSUM_WRONG 2
+
+/**
+ * No line has ended yet.
+ */
+#define OLP_LINE_NONE 0
+
+/**
+ * A line was received.
+ */
+#define OLP_LINE_COMPLETE 1
+
+/**
+ * A line longer than `OLP_LINE_MAX` has ended, and is lost.
+ */
+#define OLP_LINE_OVERLONG 2
+
+/**
+ * A line that was read: a view of the text that `olp_parse` was given, which must stay where it is meanwhile.
+ */
+struct olp_message {
+  /**
+   * The line.
+   */
+  const char *line;
+  /**
+   * Number of bytes of it, without its end.
+   */
+  int length;
+  /**
+   * Number of parameters, the command and a checksum counted.
+   */
+  int count;
+  /**
+   * One of `OLP_CHECKSUM_*`.
+   */
+  int checksum;
+  /**
+   * The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
+   */
+  unsigned int sum;
+};
+
+/**
+ * A parameter: a view of the line that it stands in. Neither text ends with a zero byte.
+ */
+struct olp_param {
+  /**
+   * The name.
+   */
+  const char *name;
+  /**
+   * Number of bytes of it.
+   */
+  int name_length;
+  /**
+   * The value as it was received, encoded: `olp_value_string` decodes it.
+   */
+  const char *value;
+  /**
+   * Number of bytes of it.
+   */
+  int value_length;
+};
+
+/**
+ * A line that is being built. Its fields are private.
+ */
+struct olp_encoder {
+  char *buf;
+  int cap;
+  int length;
+  int error;
+};
+
+/**
+ * How far a line has been received. All zero is: not at all.
+ *
+ * The bytes lie in storage that is handed to each call, the same each time. It is one byte longer than the longest
+ * line, for the CR.
+ *
+ * The fields are never trusted: no contents do any harm.
+ */
+struct olp_assembly {
+  /**
+   * Number of bytes of the line that are in the storage.
+   */
+  int used;
+  /**
+   * Whether the line was too long.
+   */
+  int overlong;
+};
+
+/**
+ * A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one.
+ */
+struct olp_receiver {
+  /**
+   * How far a line has been received.
+   */
+  struct olp_assembly assembly;
+  /**
+   * The line, with room for a CR.
+   */
+  char line[OLP_LINE_MAX + 1];
+};
+
+/**
+ * What `olp_receive` found.
+ */
+struct olp_line {
+  /**
+   * One of `OLP_LINE_*`.
+   */
+  int kind;
+  /**
+   * The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
+   * next call.
+   */
+  const char *text;
+  /**
+   * Number of bytes of it; 0 when there is none.
+   */
+  int length;
+};
+
+/**
+ * The checksum of the protocol, Fletcher-16 in ones' complement: both sums begin at 255, and neither is ever 0. Of no
+ * bytes it is 0xFFFF; of a NULL pointer or a negative length too.
+ *
+ * Returns the second sum in bits 8 to 15, the first in bits 0 to 7.
+ *
+ * ```c
+ * unsigned int sum = olp_fletcher16(line.text, line.length);
+ * printf("%04x\n", sum);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+unsigned int olp_fletcher16(const void *bytes,
+                            int length);
+
+/**
+ * The checksum of bytes whose beginning was summed up before: sum is what this function or `olp_fletcher16` returned
+ * for that, 0xFFFF when it is empty.
+ *
+ * Returns the checksum of all; sum, as far as it has 16 bits, when bytes is NULL or length not positive.
+ *
+ * ```c
+ * unsigned int sum = 0xFFFF;
+ * for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
+ *     sum = olp_fletcher16_more(sum, in, got);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_fletcher16`.
+ */
+unsigned int olp_fletcher16_more(unsigned int sum,
+                                 const void *bytes,
+                                 int length);
+
+/**
+ * Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
+ * without `=` has an empty value; nothing between two `&` is no parameter.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NO_COMMAND` when the first parameter is not `c`, `OLP_RC_MALFORMED` when a `%`
+ * lacks its two hexadecimal digits or a line feed stands within the line; or `OLP_RC_ERROR_GENERIC` when a pointer is
+ * NULL or length negative. Unless it succeeds, message is empty. A wrong checksum is no error: see
+ * `message->checksum`.
+ *
+ * ```c
+ * struct olp_message message;
+ * if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
+ *     handle_message(&message);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int olp_parse(const char *line,
+              int length,
+              struct olp_message *message);
+
+/**
+ * Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
+ *
+ * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Unless it succeeds, param is left as it was.
+ *
+ * ```c
+ * struct olp_param param;
+ * for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
+ *     printf("%.*s\n", param.name_length, param.name);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. message was filled in by `olp_parse` and its line is still
+ * there, or is all zero.
+ */
+int olp_param_at(const struct olp_message *message,
+                 int index,
+                 struct olp_param *param);
+
+/**
+ * Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
+ * first `c`.
+ *
+ * Returns what `olp_param_at` does.
+ *
+ * ```c
+ * struct olp_param id;
+ * if (olp_find(&message, "id", 0, &id) == OLP_RC_SUCCESS)
+ *     printf("from %.*s\n", id.value_length, id.value);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_param_at`; name is NULL or a string.
+ */
+int olp_find(const struct olp_message *message,
+             const char *name,
+             int occurrence,
+             struct olp_param *param);
+
+/**
+ * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
+ *
+ * Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
+ *
+ * ```c
+ * long state;
+ * if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
+ *     printf("state %ld\n", state);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. param was filled in by `olp_param_at` or `olp_find` and its
+ * line is still there, or is all zero.
+ */
+int olp_value_int(const struct olp_param *param,
+                  long *value);
+
+/**
+ * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
+ * that is nearest. Infinities and NaNs are no such numbers.
+ *
+ * Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
+ *
+ * ```c
+ * float temperature;
+ * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
+ *     printf("%.2f degrees\n", (double)temperature);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_value_int`.
+ */
+int olp_value_float(const struct olp_param *param,
+                    float *value);
+
+/**
+ * Decodes a parameter's value to buf, and writes a zero byte behind it. There may be others in it.
+ *
+ * Returns the number of bytes, the last zero byte not counted; -`OLP_RC_TOO_LONG` when they do not fit, buf being then
+ * an empty string if cap is not 0; or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative (buf may be NULL
+ * when cap is 0).
+ *
+ * ```c
+ * char name[32];
+ * if (olp_value_string(&param, name, sizeof name) >= 0)
+ *     puts(name);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_value_int`.
+ */
+int olp_value_string(const struct olp_param *param,
+                     char *buf,
+                     int cap);
+
+/**
+ * Whether a parameter's decoded value is that text.
+ *
+ * Returns 1 or 0; 0 when a pointer is NULL.
+ *
+ * ```c
+ * if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
+ *     puts("a device has started");
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_value_int`; text is NULL or a string.
+ */
+int olp_value_is(const struct olp_param *param, const char *text);
+
+/**
+ * `olp_find` and `olp_value_int` in one.
+ *
+ * Returns what they do.
+ *
+ * ```c
+ * long state;
+ * if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
+ *     printf("state %ld\n", state);
+ * ```
+ *
+ * # Safety
+ *
+ * As theirs.
+ */
+int olp_get_int(const struct olp_message *message, const char *name, int occurrence, long *value);
+
+/**
+ * `olp_find` and `olp_value_float` in one.
+ *
+ * Returns what they do.
+ *
+ * ```c
+ * float temperature;
+ * if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
+ *     printf("%.2f degrees\n", (double)temperature);
+ * ```
+ *
+ * # Safety
+ *
+ * As theirs.
+ */
+int olp_get_float(const struct olp_message *message, const char *name, int occurrence, float *value);
+
+/**
+ * `olp_find` and `olp_value_string` in one.
+ *
+ * Returns what `olp_value_string` does, and -`OLP_RC_NOT_FOUND`, buf being then left as it was.
+ *
+ * ```c
+ * char name[32];
+ * if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
+ *     puts(name);
+ * ```
+ *
+ * # Safety
+ *
+ * As theirs.
+ */
+int olp_get_string(const struct olp_message *message, const char *name, int occurrence, char *buf, int cap);
+
+/**
+ * `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
+ *
+ * Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
+ *
+ * ```c
+ * if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
+ *     handle_message(&message);
+ * ```
+ *
+ * # Safety
+ *
+ * As theirs.
+ */
+int olp_is(const struct olp_message *message, const char *name, int occurrence, const char *text);
+
+/**
+ * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+ *
+ * `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
+ * return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
+ * when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
+ *
+ * ```c
+ * char text[OLP_REPLY_MAX];
+ * olp_begin(&encoder, text, sizeof text, "heaterinfo");
+ * olp_add_float(&encoder, "temp", 21.5f, 2);
+ * length = olp_finish(&encoder, 1);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. buf stays there until the line is finished; command is NULL
+ * or a string.
+ */
+int olp_begin(struct olp_encoder *encoder,
+              char *buf,
+              int cap,
+              const char *command);
+
+/**
+ * Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
+ * buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
+ * need have to be left out.
+ *
+ * Returns what `olp_begin` does.
+ *
+ * ```c
+ * char text[OLP_COMMAND_MAX];
+ * olp_begin_command(&encoder, text, sizeof text, "setswitch");
+ * olp_add_int(&encoder, "state", 1);
+ * length = olp_finish(&encoder, 1);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_begin`.
+ */
+int olp_begin_command(struct olp_encoder *encoder,
+                      char *buf,
+                      int cap,
+                      const char *command);
+
+/**
+ * Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
+ * when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
+ * returned.
+ *
+ * ```c
+ * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
+ *     puts("no room for a name");
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head. encoder was made by `olp_begin` or `olp_begin_command` and
+ * its buffer is still there, or is all zero. Strings end with a zero byte.
+ */
+int olp_add_string(struct olp_encoder *encoder,
+                   const char *name,
+                   const char *text);
+
+/**
+ * Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
+ *
+ * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+ *
+ * ```c
+ * olp_add_bytes(&encoder, "serial", in, 4);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_string`; text is NULL or points to that many bytes.
+ */
+int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
+
+/**
+ * Adds a value that is encoded already, such as one of a received line: unchanged.
+ *
+ * Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
+ * without its two digits.
+ *
+ * ```c
+ * if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
+ *     olp_add_raw(&encoder, "t", param.value, param.value_length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_bytes`.
+ */
+int olp_add_raw(struct olp_encoder *encoder,
+                const char *name,
+                const char *value,
+                int length);
+
+/**
+ * Adds an integer, in decimal.
+ *
+ * Returns what `olp_add_string` does.
+ *
+ * ```c
+ * olp_add_int(&encoder, "state", 1);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_string`.
+ */
+int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
+
+/**
+ * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
+ * the even digit when two are.
+ *
+ * Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
+ * `OLP_DECIMALS_MAX`.
+ *
+ * ```c
+ * olp_add_float(&encoder, "temp", 21.5f, 2);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_string`.
+ */
+int olp_add_float(struct olp_encoder *encoder,
+                  const char *name,
+                  float value,
+                  int decimals);
+
+/**
+ * Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
+ *
+ * Returns what `olp_add_string` does.
+ *
+ * ```c
+ * olp_begin(&encoder, text, sizeof text, "ack");
+ * olp_add_hex(&encoder, "checksum", message.sum);
+ * length = olp_finish(&encoder, 0);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_string`.
+ */
+int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
+
+/**
+ * Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
+ * zero byte stands behind it where the buffer has room for one.
+ *
+ * Returns the length of the line, its line feed counted; or, the first byte of the buffer then being zero, if it has
+ * one, minus what the first call for this line returned that failed, -`OLP_RC_TOO_LONG` when checksum and line feed do
+ * not fit, or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
+ *
+ * ```c
+ * int length = olp_finish(&encoder, 1);
+ * if (length > 0)
+ *     uart_write(&uart, text, length);
+ * ```
+ *
+ * # Safety
+ *
+ * As for `olp_add_string`.
+ */
+int olp_finish(struct olp_encoder *encoder,
+               int checksum);
+
+/**
+ * Makes a receiver empty. All zero it is so, too.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+ *
+ * ```c
+ * struct olp_receiver receiver;
+ * olp_receiver_init(&receiver);
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
+
+/**
+ * Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
+ * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
+ * has come.
+ *
+ * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
+ * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got;) {
+ *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
+ *     if (line.kind == OLP_LINE_COMPLETE)
+ *         puts(line.text);
+ * }
+ * ```
+ *
+ * # Safety
+ *
+ * Pointers, threads and interrupts: the rules at the head.
+ */
+int olp_receive(struct olp_receiver *receiver,
+                const void *buf,
+                int bytes,
+                struct olp_line *line)
+OLP_SIZED("olp_receive");
+
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

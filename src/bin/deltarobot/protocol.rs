@@ -1,0 +1,52 @@
+//! The protocols that the program speaks.
+
+use crate::decoder::{Decoder, Terms, deltarobot, gx, line};
+
+/// A protocol.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Protocol {
+    /// Frames between a host and the controller of a delta robot
+    #[default]
+    Deltarobot,
+    /// Ozeki line protocol: lines of text between a PC and devices
+    Line,
+    /// GX: vector moves, binary and ASCII, and notices about them
+    Gx,
+}
+
+impl Protocol {
+    /// As the option has it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Deltarobot => "deltarobot",
+            Self::Line => "line",
+            Self::Gx => "gx",
+        }
+    }
+
+    /// What takes its messages apart.
+    pub(crate) fn decoder(self) -> Box<dyn Decoder> {
+        match self {
+            Self::Deltarobot => Box::new(deltarobot::Frames::new()),
+            Self::Line => Box::new(line::Lines::new()),
+            Self::Gx => Box::new(gx::Items::new()),
+        }
+    }
+
+    /// What its messages are called.
+    pub(crate) const fn terms(self) -> Terms {
+        match self {
+            Self::Deltarobot => deltarobot::TERMS,
+            Self::Line => line::TERMS,
+            Self::Gx => gx::TERMS,
+        }
+    }
+}
+
+/// The option of the commands that work with each of them.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct Spoken {
+    /// The protocol that is spoken
+    #[arg(id = "spoken", long = "protocol", value_enum, value_name = "PROTOCOL", default_value_t)]
+    pub(crate) protocol: Protocol,
+}

@@ -1,0 +1,89 @@
+//! Of `gx.h`: paths.
+
+use core::ffi::{c_int, c_uchar, c_void};
+
+use super::write::write;
+use super::{GX_RC_ERROR_GENERIC, GX_RC_SUCCESS, init};
+use crate::gx::{AXES, Contour, NumberField, Vector};
+
+/// Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
+///
+/// ```c
+/// struct gx_contour contour;
+/// gx_contour_init(&contour, 1 | 2 | 4);
+/// gx_contour_start(&contour, &position);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks; zero is a path of no axis.
+    unsafe {
+        if init(contour) == GX_RC_SUCCESS && (*contour).set_axes(mask) { GX_RC_SUCCESS } else { GX_RC_ERROR_GENERIC }
+    }
+}
+
+/// Tells where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+/// known, as after an error notice.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+///
+/// ```c
+/// if (item.kind == GX_REFUSED)
+///     gx_contour_start(&contour, NULL);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const Vector) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (contour.as_mut(), start.as_ref()) } {
+        (Some(contour), Some(start)) => contour.starts_at(start),
+        (Some(contour), None) => contour.forget(),
+        _ => return GX_RC_ERROR_GENERIC,
+    }
+    GX_RC_SUCCESS
+}
+
+/// Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
+/// positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
+/// to 16383, or negative: as before.
+///
+/// Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+///
+/// ```c
+/// for (int i = 0; i < path_length; ++i)
+///     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+///         uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`; position is NULL or points to six values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_segment(
+    contour: *mut Contour,
+    number: *const NumberField,
+    position: *const i32,
+    velocity: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    // More than there are stays more.
+    let velocity = if velocity < 0 { None } else { Some(u16::try_from(velocity).unwrap_or(u16::MAX)) };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match (contour.as_mut(), position.cast::<[i32; AXES]>().as_ref()) {
+            (Some(contour), Some(position)) => {
+                write(number, buf, cap, |number, room| contour.segment(number, position, velocity, room))
+            }
+            _ => -GX_RC_ERROR_GENERIC,
+        }
+    }
+}

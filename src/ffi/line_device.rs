@@ -1,0 +1,686 @@
+//! `line_device.h`: the device's end of the line protocol's link.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
+use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::slice;
+
+use super::line_protocol::building::{keep, resume};
+use super::line_protocol::{LineEncoder, LineMessage, OLP_CHECKSUM_NONE, OLP_CHECKSUM_RIGHT};
+use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
+use super::memory::{bytes_of, int, text_of, zero};
+use super::sized_alias;
+use crate::clock::time;
+use crate::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
+use crate::line::device::{
+    Answer, Answers, DeviceHealth, DeviceLink, Fault, Input, OWN_LINE_MAX, Request, Setup, Welcome,
+};
+use crate::line::device::{is_id, is_setup};
+use crate::line::{COMMAND_MAX, Checksum, Message, Value};
+
+/// Length of the longest id that a device behind a link may have.
+pub const OLP_ID_MAX: c_int = 10;
+const _: () = assert!(OLP_ID_MAX as usize == crate::line::device::ID_MAX);
+
+/// Executes a command: reads its parameters from command, and adds those of the answer (but for id and t, which are
+/// added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
+/// then. Both are gone when the function returns. It may use the device, which however receives nothing meanwhile.
+///
+/// ```c
+/// int set_switch(const struct olp_message *command, struct olp_encoder *answer, void *usr)
+/// {
+///     long state;
+///     if (olp_get_int(command, "state", 0, &state) != OLP_RC_SUCCESS)
+///         return -1;
+///     olp_add_int(answer, "state", switch_to(state));
+///     return 0;
+/// }
+/// ```
+pub type RunFunc =
+    Option<unsafe extern "C" fn(command: *const LineMessage, answer: *mut LineEncoder, usr: *mut c_void) -> c_int>;
+/// Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
+/// line asks again.
+///
+/// ```c
+/// int send_line(const void *line, int bytes, void *usr)
+/// {
+///     return uart_write((struct uart *)usr, line, bytes);
+/// }
+/// ```
+pub type LineSendFunc = Option<unsafe extern "C" fn(line: *const c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
+
+/// A device behind the link, as its welcome tells. The texts end with a zero byte.
+#[derive(Debug)]
+#[repr(C)]
+pub struct DeviceInfo {
+    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
+    pub id: *const c_char,
+    /// What it is, e.g. OzekiSwitchController.
+    pub r#type: *const c_char,
+    /// Its place; 0: it is not told.
+    pub pos: c_int,
+    /// Its name; NULL: it has none.
+    pub name: *const c_char,
+    /// Its version; NULL: it has none.
+    pub version: *const c_char,
+}
+
+/// A command that a device executes.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Command {
+    /// The device's id; NULL: each device has it. The first command that fits is taken.
+    pub id: *const c_char,
+    /// The command's name, of `[a-z0-9]`.
+    pub name: *const c_char,
+    /// What executes it; NULL: it is refused.
+    pub run: RunFunc,
+}
+
+/// What is behind a link, and how to send to its other end.
+#[derive(Debug)]
+#[repr(C)]
+pub struct DeviceTable {
+    /// The devices, at least one. The first stands for all of them where the link itself has something to tell.
+    pub devices: *const DeviceInfo,
+    /// Their number.
+    pub device_count: c_int,
+    /// What they execute. linksetup is not among it: the library does that.
+    pub commands: *const Command,
+    /// Number of commands.
+    pub command_count: c_int,
+    /// Sends a line.
+    pub send: LineSendFunc,
+    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised; 0 stands for 3000. It has
+    /// to be more than the other end waits before it repeats. After that, the same line with the same t is a new
+    /// command.
+    pub repeat_ms: c_ulong,
+}
+
+/// The device's end of a link. Its fields are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Device {
+    link: DeviceLink,
+    table: *const DeviceTable,
+    usr: *mut c_void,
+    /// How many devices were welcomed.
+    welcomed: c_int,
+    input: Input,
+    /// The setup to tell by an event of its own, if `tells` is not 0.
+    own: Setup,
+    tells: c_uchar,
+    /// Not 0 while `olp_device_poll` runs.
+    serving: c_uchar,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const LONG: usize = size_of::<c_ulong>();
+    const POINTER: usize = size_of::<*const ()>();
+    const COMMANDS: usize = pointer_up(POINTER + INT);
+    const SEND: usize = pointer_up(COMMANDS + POINTER + INT);
+    const REPEAT_MS: usize = up(SEND + POINTER, align_of::<c_ulong>());
+    const ANSWER: usize = up(LONG + INT + 2 + OLP_REPLY_MAX, align_of::<c_ulong>());
+    const LINK: usize = up(size_of::<Answers>() + 7 * LONG + INT + 4, align_of::<c_ulong>());
+    const fn up(size: usize, align: usize) -> usize {
+        size.next_multiple_of(align)
+    }
+    const fn pointer_up(size: usize) -> usize {
+        up(size, align_of::<*const ()>())
+    }
+
+    assert!(offset_of!(DeviceInfo, id) == 0 && offset_of!(DeviceInfo, r#type) == POINTER);
+    assert!(offset_of!(DeviceInfo, pos) == 2 * POINTER);
+    assert!(offset_of!(DeviceInfo, name) == pointer_up(2 * POINTER + INT));
+    assert!(offset_of!(DeviceInfo, version) == pointer_up(2 * POINTER + INT) + POINTER);
+    assert!(size_of::<DeviceInfo>() == pointer_up(2 * POINTER + INT) + 2 * POINTER);
+
+    assert!(offset_of!(Command, id) == 0 && offset_of!(Command, name) == POINTER);
+    assert!(offset_of!(Command, run) == 2 * POINTER && size_of::<Command>() == 3 * POINTER);
+
+    assert!(offset_of!(DeviceTable, devices) == 0 && offset_of!(DeviceTable, device_count) == POINTER);
+    assert!(offset_of!(DeviceTable, commands) == COMMANDS);
+    assert!(offset_of!(DeviceTable, command_count) == COMMANDS + POINTER);
+    assert!(offset_of!(DeviceTable, send) == SEND && offset_of!(DeviceTable, repeat_ms) == REPEAT_MS);
+    assert!(size_of::<DeviceTable>() == pointer_up(REPEAT_MS + LONG));
+
+    assert!(offset_of!(DeviceHealth, commands) == 0 && offset_of!(DeviceHealth, repeats) == LONG);
+    assert!(offset_of!(DeviceHealth, checksums) == 2 * LONG && offset_of!(DeviceHealth, malformed) == 3 * LONG);
+    assert!(offset_of!(DeviceHealth, overflows) == 4 * LONG && offset_of!(DeviceHealth, refused) == 5 * LONG);
+    assert!(size_of::<DeviceHealth>() == 6 * LONG);
+
+    assert!(size_of::<Answer>() == ANSWER);
+    assert!(size_of::<Answers>() == up(OLP_WINDOW_MAX * ANSWER + 2, align_of::<c_ulong>()));
+    assert!(size_of::<DeviceLink>() == LINK);
+    assert!(size_of::<Input>() == up(2 * INT + 1 + COMMAND_MAX, align_of::<c_int>()));
+    assert!(
+        size_of::<Device>() == up(pointer_up(LINK) + 2 * POINTER + INT + size_of::<Input>() + 5, align_of::<Device>())
+    );
+};
+
+/// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
+/// when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
+/// array has to be.
+///
+/// ```c
+/// static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, NULL, NULL}};
+/// static const struct olp_command commands[] = {{NULL, "setswitch", set_switch}};
+/// static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
+/// olp_device_init(&device, &table, &uart);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. table's counts, texts and functions are what it says, and
+/// its functions can be called with usr; it stays there, unchanged, as long as the device is used.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int {
+    if device.is_null() {
+        return OLP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks; zero is a device that is not ready.
+    unsafe {
+        zero(device);
+        let rc = check(table, (*device).link.room());
+        if rc == OLP_RC_SUCCESS {
+            (*device).table = table;
+            (*device).usr = usr;
+            (*device).link.expect_repeats_for((*table).repeat_ms);
+        }
+        rc
+    }
+}
+sized_alias!(olp: olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int);
+
+/// Begins anew, as after `olp_device_init`: to be called when another connection is made.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+///
+/// ```c
+/// if (was_reconnected())
+///     olp_device_restart(&device);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. device was made by `olp_device_init` or is all zero.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_restart")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        let (table, usr) = ((*device).table, (*device).usr);
+        olp_device_init(device, table, usr)
+    }
+}
+sized_alias!(olp: olp_device_restart(device: *mut Device) -> c_int);
+
+/// Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
+/// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
+/// be unanswered, 1 to `OLP_WINDOW_MAX`.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
+/// window is out of range.
+///
+/// ```c
+/// if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
+///     olp_device_poll(&device, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_linksetup")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_linksetup(
+    device: *mut Device,
+    ack: c_int,
+    checksum: c_int,
+    window: c_int,
+) -> c_int {
+    let own = u16::try_from(window).ok().filter(|window| Setup::has_window(*window));
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match own {
+            Some(window) if is_ready(device) => {
+                (*device).own = Setup::new(ack != 0, checksum != 0, window);
+                (*device).tells = 1;
+                OLP_RC_SUCCESS
+            }
+            _ => OLP_RC_ERROR_GENERIC,
+        }
+    }
+}
+sized_alias!(olp: olp_device_linksetup(device: *mut Device, ack: c_int, checksum: c_int, window: c_int) -> c_int);
+
+/// Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
+/// line, no more are taken. Not for interrupts that may come during another call on the same device.
+///
+/// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
+/// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
+/// and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
+///     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_receive(
+    device: *mut Device,
+    buf: *const c_void,
+    bytes: c_int,
+    now_ms: c_ulong,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match bytes_of(buf, bytes) {
+            Some(input) if is_ready(device) => {
+                (*device).link.tick(time(now_ms));
+                int((*device).input.take(input))
+            }
+            _ => -OLP_RC_ERROR_GENERIC,
+        }
+    }
+}
+sized_alias!(olp: olp_device_receive(device: *mut Device, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
+
+/// Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
+/// firmware's main loop.
+///
+/// Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
+/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
+/// `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
+/// `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+///
+/// ```c
+/// while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
+///     ;
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        if (*device).serving != 0 {
+            return OLP_RC_BUSY;
+        }
+        (*device).serving = 1;
+        let rc = serve(device, time(now_ms));
+        (*device).serving = 0;
+        rc
+    }
+}
+sized_alias!(olp: olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int);
+
+/// Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
+/// here. Its buffer is the caller's, and as long as the line may be.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
+/// when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
+/// sent then.
+///
+/// ```c
+/// char text[OLP_REPLY_MAX];
+/// olp_begin(&event, text, sizeof text, "heaterinfo");
+/// olp_add_float(&event, "temp", 21.5f, 2);
+/// olp_device_event(&device, &event, "M1F910");
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`; event was begun and its buffer is still there; id is NULL or a string.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_event")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        let known = text_of(id).and_then(|id| device_of(&*(*device).table, Value::new(id)));
+        let (Some(id), Some(event)) = (known, event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
+        if (*device).welcomed < (*(*device).table).device_count {
+            return OLP_RC_BUSY;
+        }
+        if event.error != OLP_RC_SUCCESS {
+            return event.error;
+        }
+        let Some(mut line) = resume(event) else { return OLP_RC_ERROR_GENERIC };
+        let written = (*device).link.finish_event(&mut line, id);
+        keep(event, &line);
+        let rc = event.error;
+        if let Ok(length) = written {
+            event.error = OLP_RC_ERROR_GENERIC;
+            send(device, event.buf.cast(), length);
+        }
+        rc
+    }
+}
+sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int);
+
+/// How the link does: NULL when device is, else counters that live and change with the device.
+///
+/// ```c
+/// const struct olp_device_health *health = olp_device_get_health(&device);
+/// printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_get_health")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const DeviceHealth {
+    if device.is_null() {
+        return core::ptr::null();
+    }
+    // SAFETY: not NULL, so as the contract of this function asks.
+    unsafe { (*device).link.health() }
+}
+sized_alias!(olp: olp_device_get_health(device: *const Device) -> *const DeviceHealth);
+
+/// Whether a device was made, so that its functions can be called.
+///
+/// # Safety
+///
+/// As for [`olp_device_poll`].
+unsafe fn is_ready(device: *const Device) -> bool {
+    // SAFETY: as the contract of this function asks.
+    unsafe { !device.is_null() && !(*device).table.is_null() }
+}
+
+/// Whether a table is one to work with; room is for trying.
+///
+/// # Safety
+///
+/// As for [`olp_device_init`].
+unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let Some(table) = table.as_ref() else { return OLP_RC_ERROR_GENERIC };
+        let commands = table.command_count >= 0 && (table.command_count == 0 || !table.commands.is_null());
+        if table.device_count < 1 || table.devices.is_null() || table.send.is_none() || !commands {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        for info in devices(table) {
+            match &welcome(info) {
+                None => return OLP_RC_ERROR_GENERIC,
+                Some(welcome) if welcome.write(room).is_err() => return OLP_RC_TOO_LONG,
+                Some(_) => (),
+            }
+        }
+        for command in commands_of(table) {
+            if command.name.is_null() {
+                return OLP_RC_ERROR_GENERIC;
+            }
+        }
+    }
+    OLP_RC_SUCCESS
+}
+
+// From here on, tables are what `check` found good, `device` is not NULL and ready, and no reference to it lives while
+// one of the firmware's functions runs.
+
+/// # Safety
+///
+/// See above.
+unsafe fn devices(table: &DeviceTable) -> &[DeviceInfo] {
+    // SAFETY: as the contract of this function asks.
+    unsafe { slice::from_raw_parts(table.devices, usize::try_from(table.device_count).unwrap_or_default()) }
+}
+
+/// # Safety
+///
+/// See above.
+unsafe fn commands_of(table: &DeviceTable) -> &[Command] {
+    let count = usize::try_from(table.command_count).unwrap_or_default();
+    // SAFETY: as the contract of this function asks.
+    if count == 0 { &[] } else { unsafe { slice::from_raw_parts(table.commands, count) } }
+}
+
+/// The welcome of a device, if it has what that needs.
+///
+/// # Safety
+///
+/// As for [`olp_device_init`].
+unsafe fn welcome(info: &DeviceInfo) -> Option<Welcome<'_>> {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        Some(Welcome {
+            id: text_of(info.id).filter(|id| is_id(id))?,
+            r#type: text_of(info.r#type)?,
+            pos: info.pos,
+            name: text_of(info.name),
+            version: text_of(info.version),
+        })
+    }
+}
+
+/// The id of the device that is meant, if there is one.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn device_of<'a>(table: &'a DeviceTable, asked: Value) -> Option<&'a [u8]> {
+    // SAFETY: as the contract of this function asks.
+    unsafe { devices(table).iter().filter_map(|info| text_of(info.id)).find(|id| asked.is(id)) }
+}
+
+/// The id of the first device.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn first_id<'a>(table: *const DeviceTable) -> &'a [u8] {
+    // SAFETY: as the contract of this function asks.
+    unsafe { text_of((*(*table).devices).id).unwrap_or_default() }
+}
+
+/// # Safety
+///
+/// See above.
+unsafe fn send(device: *mut Device, line: *const u8, length: usize) {
+    // SAFETY: as the contract of this function asks.
+    let (table, usr) = unsafe { ((*device).table, (*device).usr) };
+    // SAFETY: as the table asks: its function takes usr.
+    if let (1.., Some(send)) = (length, unsafe { (*table).send }) {
+        // SAFETY: as above.
+        unsafe { send(line.cast(), int(length), usr) };
+    }
+}
+
+/// Writes and sends a line of the link's own.
+///
+/// # Safety
+///
+/// See above.
+#[inline(never)]
+unsafe fn tell(device: *mut Device, write: &Own) {
+    let mut room = MaybeUninit::<[u8; OWN_LINE_MAX]>::uninit();
+    // SAFETY: as the contract of this function asks; zero is a value of such arrays.
+    unsafe {
+        zero(room.as_mut_ptr());
+        let length = {
+            let link = &mut (*device).link;
+            let room = room.assume_init_mut();
+            match *write {
+                Own::Setup(setup, id) => link.setup_event(setup, id, room),
+                Own::Ack(request, id) => link.ack(request, id, room),
+                Own::SetupAnswer(message, id) => link.setup_answer(message, id, room),
+                Own::Fault(fault, request, id) => link.fault(fault, request, id, room),
+            }
+        };
+        send(device, room.as_ptr().cast(), length);
+    }
+}
+
+/// A line of the link's own, with the id it is to have.
+enum Own<'a> {
+    Setup(Setup, &'a [u8]),
+    Ack(&'a Request, &'a [u8]),
+    SetupAnswer(&'a Message<'a>, &'a [u8]),
+    Fault(Fault, Option<&'a Request>, &'a [u8]),
+}
+
+/// See [`olp_device_poll`].
+///
+/// # Safety
+///
+/// See above.
+unsafe fn serve(device: *mut Device, now: u32) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*device).link.tick(now);
+        let table = (*device).table;
+        let welcomed = usize::try_from((*device).welcomed).unwrap_or_default();
+        if let Some(info) = devices(&*table).get(welcomed) {
+            (*device).welcomed = (*device).welcomed.wrapping_add(1);
+            let room = (*device).link.room();
+            let length = welcome(info).as_ref().and_then(|welcome| welcome.write(room).ok()).unwrap_or_default();
+            let line = room.as_ptr();
+            send(device, line, length);
+            return OLP_RC_SUCCESS;
+        }
+        if (*device).tells != 0 {
+            (*device).tells = 0;
+            tell(device, &Own::Setup((*device).own, first_id(table)));
+            return OLP_RC_SUCCESS;
+        }
+        // The line lies where it is until it is released: nothing is received before.
+        let input = &raw const (*device).input;
+        let mut rc = OLP_RC_SUCCESS;
+        let fault = match (*input).line() {
+            None => return OLP_RC_NO_EVENT,
+            Some(Err(fault)) => Some(fault),
+            Some(Ok(line)) => match Message::parse(line) {
+                Err(_) => Some(Fault::Malformed),
+                Ok(ref message) => match (*device).link.accept(message, now) {
+                    Err(fault) => Some(fault),
+                    Ok(ref request) => {
+                        rc = answer(device, message, request);
+                        None
+                    }
+                },
+            },
+        };
+        if let Some(fault) = fault {
+            tell(device, &Own::Fault(fault, None, first_id(table)));
+        }
+        (*device).input.release();
+        rc
+    }
+}
+
+/// Answers an intact command.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let table = (*device).table;
+        let asked = message.get(b"id").unwrap_or_default();
+        let Some(id) = device_of(&*table, asked) else {
+            let id = Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default();
+            tell(device, &Own::Ack(request, id));
+            tell(device, &Own::Fault(Fault::UnknownId, Some(request), id));
+            return OLP_RC_SUCCESS;
+        };
+        if is_setup(message) {
+            (*device).link.change_setup(message);
+            tell(device, &Own::Ack(request, id));
+            tell(device, &Own::SetupAnswer(message, id));
+            return OLP_RC_SUCCESS;
+        }
+        tell(device, &Own::Ack(request, id));
+        if let Some(again) = (*device).link.repeated(request) {
+            let (line, length) = (again.as_ptr(), again.len());
+            send(device, line, length);
+            return OLP_RC_SUCCESS;
+        }
+        let command = commands_of(&*table).iter().find(|command| {
+            text_of(command.id).is_none_or(|own| asked.is(own))
+                && text_of(command.name).is_some_and(|name| message.command().is(name))
+        });
+        let Some(command) = command else {
+            tell(device, &Own::Fault(Fault::UnknownCommand, Some(request), id));
+            return OLP_RC_SUCCESS;
+        };
+        execute(device, command, message, request, id)
+    }
+}
+
+/// Has a command executed, and answers it.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn execute(device: *mut Device, command: &Command, message: &Message, request: &Request, id: &[u8]) -> c_int {
+    // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
+    unsafe {
+        let (room, begun) = (*device).link.begin(text_of(command.name).unwrap_or_default());
+        let mut answer =
+            LineEncoder { buf: room.as_mut_ptr().cast(), cap: int(room.len()), length: int(begun), error: 0 };
+        let view = LineMessage {
+            line: message.line().as_ptr().cast(),
+            length: int(message.line().len()),
+            count: int(message.len()),
+            checksum: if message.checksum() == Checksum::None { OLP_CHECKSUM_NONE } else { OLP_CHECKSUM_RIGHT },
+            sum: request.sum.into(),
+        };
+        let refused = match command.run {
+            Some(run) => run(&raw const view, &raw mut answer, (*device).usr) != 0,
+            None => true,
+        };
+        if (*device).serving == 0 {
+            // It began anew meanwhile.
+            return OLP_RC_SUCCESS;
+        }
+        let written = match usize::try_from(answer.length) {
+            _ if refused => Err(Fault::Refused),
+            Ok(length) if answer.error == OLP_RC_SUCCESS => Ok(length),
+            _ => Err(Fault::TooLong),
+        };
+        let (line, fault) = (*device).link.finish(request, id, written);
+        let (line, length) = (line.as_ptr(), line.len());
+        (*device).input.release();
+        send(device, line, length);
+        match fault {
+            Some(Fault::TooLong) if answer.error == OLP_RC_SUCCESS => OLP_RC_TOO_LONG,
+            Some(Fault::TooLong) => answer.error,
+            _ => OLP_RC_SUCCESS,
+        }
+    }
+}

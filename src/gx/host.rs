@@ -1,0 +1,415 @@
+//! The host's end of the link: moves go in, how they ended comes out.
+//!
+//! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
+//! events. How the motion side sees it is told in [`motion`](super::motion).
+//!
+//! # A session
+//!
+//! begins before the first move: a request for position reports is sent with a number, until that comes back, and once
+//! more with a number far from the first. A notice left over from an earlier session can be taken for the one answer or
+//! the other, not for both, so when the second has come, no older notice can come any more. A motion side that has had
+//! both keeps numbers in order from there on, and says so: before the second number it sends the first one back again.
+//! If that does not come, the request before may have got lost, and all begins anew with other numbers. Else the motion
+//! side expects the next number, and from here on the moves are numbered.
+//!
+//! # A move
+//!
+//! is sent in the shortest form that leads to it from the one before, as soon as fewer than the settings' `window`
+//! are unfinished. The motion side takes moves in the order of their numbers only, and ends them in that order. So
+//!
+//! - a completion says that all moves up to this one are finished; a lost one is made up for by the next;
+//! - an error notice that is no final refusal has all unfinished moves sent again, in order, in absolute positions,
+//!   since it is not known which one was lost: none is carried out twice, as the motion side knows those it has taken;
+//! - the same when notices and commands were lost: when nothing ends for [`HostSettings::probe_ms`], the newest move is
+//!   sent again. If one before it was lost, it is refused; if it was finished, that is told again; else the position is
+//!   reported.
+//!
+//! Ends are told in the order of the requests, exactly once each. A move that is refused for good takes those behind it
+//! along, which never were accepted; the next request begins a new session.
+//!
+//! # What can be relied on
+//!
+//! All this takes a motion side that keeps the numbers in order, as [`Motion`](super::motion::Motion) does. With one that
+//! only sends them back no session begins, and the moves time out, unsent.
+//!
+//! Whatever the line loses, delays or splits, and when the machine stops or this session is begun anew on the same line:
+//! a move that is reported as finished was carried out once, after those before it, and one that was refused or dropped
+//! was not. There are two exceptions:
+//!
+//! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
+//!   [`only_in_order`](super::motion::MotionSettings::only_in_order); the moves are reported as lost. By default it
+//!   takes moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
+//! - Notices and commands that are forged. There are no checksums: where bits flip, or
+//! a mask, an ASCII digit or several bytes in a row are lost, another number or position may come of it, which nobody can
+//! tell from a true one.
+
+mod event;
+mod health;
+mod output;
+mod settings;
+mod timers;
+mod window;
+
+use core::ffi::{c_uchar, c_ulong, c_ushort};
+
+use super::motion::{AXIS, CLOSED, CODE_FREE, STOPPED, STRIDE, copy};
+use super::{Fault, Item, Message, NUMBER_MAX, NoticeReceiver, Vector};
+use crate::clock::stamp;
+pub use event::{HostEvent, Outcome};
+use event::{TELL_BEGUN, TELL_ERROR, TELL_REPORT};
+pub use health::HostHealth;
+use health::count;
+pub use settings::HostSettings;
+pub use window::{Requested, Window};
+
+/// A host session. Its fields are private; all zero is a new session with default settings.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Host {
+    settings: HostSettings,
+    health: HostHealth,
+    window: Window,
+    /// The last report.
+    position: Vector,
+    receiver: NoticeReceiver,
+    /// When the last bytes came.
+    arrived_at: c_ulong,
+    /// When the first of what has no answer yet was sent; when a move has ended, or the first was sent; when moves were
+    /// sent again because of an error; since when the motion side has no room.
+    asked_at: c_ulong,
+    progressed_at: c_ulong,
+    went_back_at: c_ulong,
+    held_at: c_ulong,
+    /// When reports were asked for, or the last came.
+    reports_at: c_ulong,
+    /// The number of the request that begins a session.
+    opening: c_ushort,
+    /// How often the position is to be reported, in milliseconds.
+    period: c_ushort,
+    /// The number in the last error notice.
+    error_number: c_ushort,
+    /// Its code, and whether it has a number.
+    error_code: c_uchar,
+    error_numbered: c_uchar,
+    /// One of the stages below.
+    stage: c_uchar,
+    /// What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
+    send: c_uchar,
+    tell: c_uchar,
+    /// What else is the case: bits of `IS_*`.
+    is: c_uchar,
+    /// The next of the sent moves to be sent again; as many as were sent if there is none.
+    cursor: c_uchar,
+    /// How often something was sent since the last answer.
+    unanswered: c_uchar,
+}
+
+/// There is no room for another move: ends have to be fetched first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Full;
+
+/// No session.
+const IDLE: c_uchar = 0;
+/// The first, the second answer is waited for.
+const FIRST: c_uchar = 1;
+const SECOND: c_uchar = 2;
+const OPEN: c_uchar = 3;
+/// Something was refused: what was accepted before is waited for.
+const DRAINING: c_uchar = 4;
+
+const SEND_OPENING: c_uchar = 1;
+const SEND_REPORTING: c_uchar = 2;
+const SEND_PROBE: c_uchar = 4;
+
+/// The line was not quiet since bytes came.
+const IS_BUSY: c_uchar = 1;
+/// Moves are to be sent again.
+const IS_BACK: c_uchar = 2;
+/// The motion side has no room.
+const IS_HELD: c_uchar = 4;
+/// Reports were asked for, or not any more.
+const IS_REPORTING: c_uchar = 8;
+/// A session was begun before.
+const IS_USED: c_uchar = 16;
+/// Moves were sent again because of an error in this session.
+const IS_WARY: c_uchar = 32;
+/// The number of the first of the requests that begin a session came, and no other since, after the second was sent.
+const IS_ECHOED: c_uchar = 64;
+/// The second was answered, and the first not again: whether numbers are kept in order is not known.
+const IS_IN_DOUBT: c_uchar = 128;
+
+const BUSY: u8 = Fault::Busy as u8;
+const LIMIT: u8 = Fault::Limit as u8;
+
+impl Host {
+    /// A session that has just begun.
+    #[must_use]
+    pub const fn new(settings: HostSettings) -> Self {
+        Self {
+            settings,
+            health: HostHealth::new(),
+            window: Window::new(),
+            position: Vector::new(),
+            receiver: NoticeReceiver::new(),
+            arrived_at: 0,
+            asked_at: 0,
+            progressed_at: 0,
+            went_back_at: 0,
+            held_at: 0,
+            reports_at: 0,
+            opening: 0,
+            period: 0,
+            error_number: 0,
+            error_code: 0,
+            error_numbered: 0,
+            stage: IDLE,
+            send: 0,
+            tell: 0,
+            is: 0,
+            cursor: 0,
+            unanswered: 0,
+        }
+    }
+
+    /// Replaces the settings. For a session that has just begun.
+    pub fn set(&mut self, settings: &HostSettings) {
+        self.settings.answer_ms = settings.answer_ms;
+        self.settings.probe_ms = settings.probe_ms;
+        self.settings.move_ms = settings.move_ms;
+        self.settings.gap_ms = settings.gap_ms;
+        self.settings.attempts = settings.attempts;
+        self.settings.window = settings.window;
+        self.settings.ascii = settings.ascii;
+        self.settings.first_number = settings.first_number;
+    }
+
+    /// Requests a move of the axes in the mask to where they are to be; without a velocity, that of the move before
+    /// holds. Values that are out of range are the caller's to refuse.
+    ///
+    /// # Errors
+    ///
+    /// [`Full`] when there is no room.
+    pub fn go(&mut self, axes: &[i32; 6], mask: u8, velocity: Option<u16>) -> Result<(), Full> {
+        if !self.window.has_room() {
+            return Err(Full);
+        }
+        self.window.push(axes, mask, velocity);
+        Ok(())
+    }
+
+    /// Requests that the position be reported each so many milliseconds; 0: not any more. Holds until something else is
+    /// requested: if no reports come, it is asked for again.
+    pub fn report(&mut self, period: u16) {
+        self.period = period;
+        self.is |= IS_REPORTING;
+        self.send |= SEND_REPORTING;
+    }
+
+    /// How many moves were requested whose ends have not been told.
+    #[must_use]
+    pub const fn unfinished(&self) -> u8 {
+        self.window.len()
+    }
+
+    /// How the link does.
+    #[must_use]
+    pub const fn health(&self) -> &HostHealth {
+        &self.health
+    }
+
+    /// Takes received bytes, and tells how many: fewer than all when events have to be fetched first.
+    pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
+        let mut rest = input;
+        while !rest.is_empty() && self.tell == 0 {
+            let mut item = Item::new();
+            let taken = self.receiver.receive(rest, &mut item);
+            let (read, unread) = rest.split_at_checked(taken).unwrap_or((rest, &[]));
+            rest = unread;
+            if item.message() == Some(Message::Completed) && is_torn(read, unread) {
+                count(&mut self.health.malformed);
+            } else if self.look_at(&item, now).is_none() && taken == 0 {
+                break;
+            }
+        }
+        let taken = input.len().wrapping_sub(rest.len());
+        if taken != 0 {
+            self.arrived_at = stamp(now);
+            self.is |= IS_BUSY;
+        }
+        taken
+    }
+
+    /// The next event; `None` when nothing has happened.
+    pub fn poll(&mut self, now: u32) -> Option<HostEvent<'_>> {
+        if self.tell == 0 && self.gap_left(now) == Some(0) {
+            self.is &= !IS_BUSY;
+            let mut item = Item::new();
+            self.receiver.idle(&mut item);
+            self.look_at(&item, now);
+        }
+        if self.tell == 0 {
+            // What was received already may end what would time out.
+            self.look_at_the_time(now);
+        }
+        // The lowest bit.
+        let next = self.tell & self.tell.wrapping_neg();
+        self.tell ^= next;
+        match next {
+            TELL_BEGUN => Some(HostEvent::Begun),
+            TELL_REPORT => Some(HostEvent::Report(&self.position)),
+            TELL_ERROR => {
+                let number = (self.error_numbered != 0).then_some(self.error_number);
+                Some(HostEvent::Error(self.error_code, number))
+            }
+            _ => {
+                let (outcome, code) = self.window.take_ended()?;
+                self.cursor = self.cursor.saturating_sub(1);
+                Some(HostEvent::Ended(outcome, code))
+            }
+        }
+    }
+
+    /// Deals with what was received, if anything.
+    fn look_at(&mut self, item: &Item, now: u32) -> Option<()> {
+        let number = item.number().map(|number| number.value);
+        match item.message()? {
+            Message::Completed => self.completed(number.unwrap_or_default(), now),
+            Message::Refused(code) => {
+                count(&mut self.health.errors);
+                self.error_code = code;
+                self.error_numbered = c_uchar::from(number.is_some());
+                self.error_number = number.unwrap_or_default();
+                self.tell |= TELL_ERROR;
+                if matches!(self.stage, OPEN | DRAINING) {
+                    self.refused(number, code, now);
+                }
+            }
+            Message::Position(position) => {
+                count(&mut self.health.reports);
+                copy(&mut self.position, position);
+                self.tell |= TELL_REPORT;
+                self.unanswered = 0;
+                self.reported(now);
+            }
+            Message::Malformed(_) => count(&mut self.health.malformed),
+            _ => (),
+        }
+        Some(())
+    }
+
+    fn completed(&mut self, number: u16, now: u32) {
+        count(&mut self.health.completions);
+        match self.stage {
+            FIRST if number == self.opening => {
+                self.stage = SECOND;
+                if self.is & IS_IN_DOUBT == 0 {
+                    self.unanswered = 0;
+                }
+                self.open_with(number.wrapping_add(STRIDE));
+            }
+            SECOND if number == self.opening.wrapping_sub(STRIDE) & NUMBER_MAX => self.is |= IS_ECHOED,
+            SECOND if number == self.opening && self.is & IS_ECHOED == 0 => {
+                self.is |= IS_IN_DOUBT;
+                if self.gives_up() {
+                    self.never_begins();
+                } else {
+                    self.begin();
+                }
+            }
+            SECOND if number == self.opening => {
+                self.stage = OPEN;
+                self.window.begin(number);
+                (self.cursor, self.unanswered) = (0, 0);
+                self.is &= !(IS_BACK | IS_HELD | IS_WARY);
+                self.send &= !SEND_PROBE;
+                self.tell |= TELL_BEGUN;
+                count(&mut self.health.sessions);
+            }
+            OPEN | DRAINING => match (self.window.find(number), self.window.oldest()) {
+                (Some(index), Some(oldest)) if oldest <= index => {
+                    self.window.end(oldest, index.wrapping_add(1), Outcome::Finished, 0);
+                    self.progressed(now);
+                }
+                _ => count(&mut self.health.strays),
+            },
+            _ => {
+                self.is &= !IS_ECHOED;
+                count(&mut self.health.strays);
+            }
+        }
+    }
+
+    fn progressed(&mut self, now: u32) {
+        self.progressed_at = stamp(now);
+        self.unanswered = 0;
+        self.is &= !IS_HELD;
+    }
+
+    fn refused(&mut self, number: Option<u16>, code: u8, now: u32) {
+        let Some(number) = number else {
+            self.is |= IS_BACK;
+            return;
+        };
+        let (Some(index), Some(oldest)) = (self.window.find(number), self.window.oldest()) else {
+            count(&mut self.health.strays);
+            return;
+        };
+        if index < oldest {
+            count(&mut self.health.strays);
+            return;
+        }
+        match code {
+            BUSY => {
+                // It has taken those before, so it is there.
+                self.unanswered = 0;
+                self.cursor = index;
+                self.held_at = stamp(now);
+                self.is |= IS_HELD;
+            }
+            CLOSED => self.end_session(Outcome::Lost, code),
+            STOPPED | CODE_FREE.. => {
+                self.window.end(oldest, index, Outcome::Finished, 0);
+                self.window.end(index, index.wrapping_add(1), Outcome::Failed, code);
+                self.end_session(Outcome::Dropped, code);
+            }
+            AXIS => self.refuse(index, code),
+            LIMIT if self.window.is_absolute(index) => self.refuse(index, code),
+            _ => self.is |= IS_BACK,
+        }
+    }
+
+    fn refuse(&mut self, index: u8, code: u8) {
+        self.window.refuse(index, code);
+        self.cursor = self.cursor.min(self.window.sent());
+        self.stage = DRAINING;
+    }
+
+    /// Nothing more is known of what was sent.
+    fn end_session(&mut self, outcome: Outcome, code: u8) {
+        self.window.end_all(outcome, code);
+        self.stage = IDLE;
+        self.cursor = 0;
+        self.send &= !(SEND_OPENING | SEND_PROBE);
+    }
+
+    fn open_with(&mut self, number: u16) {
+        self.opening = number & NUMBER_MAX;
+        self.is &= !IS_ECHOED;
+        self.send |= SEND_OPENING;
+    }
+
+    /// A report came.
+    fn reported(&mut self, now: u32) {
+        if self.period != 0 {
+            self.reports_at = stamp(now);
+        } else if self.is & IS_REPORTING != 0 && self.answer_left(now, self.reports_at) == 0 {
+            self.send |= SEND_REPORTING;
+        }
+    }
+}
+
+/// Whether a packed byte stands directly behind a number: then an error notice has lost its `?`, and says anything but that
+/// the move was carried out.
+fn is_torn(read: &[u8], unread: &[u8]) -> bool {
+    !matches!(read, [.., b'\r' | b'\n']) && unread.first().is_some_and(|byte| *byte >= 0x80)
+}

@@ -1,0 +1,56 @@
+//! What a host session tells.
+
+use core::ffi::c_uchar;
+
+use crate::gx::Vector;
+
+/// How a move ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Outcome {
+    /// It was carried out.
+    Finished = 1,
+    /// The motion side did not accept it. It was not carried out.
+    Refused = 2,
+    /// The motion side accepted it, and has stopped before it was carried out to its end.
+    Failed = 3,
+    /// It was not begun, since one before it was refused or has failed, or the session ended before it was sent.
+    Dropped = 4,
+    /// Nothing is known: no answer for too long, or it lasted too long.
+    TimedOut = 5,
+    /// Nothing is known: the motion side has begun anew, or does not take this for a session any more.
+    Lost = 6,
+}
+
+impl Outcome {
+    pub(super) const fn of(stored: c_uchar) -> Option<Self> {
+        Some(match stored {
+            0 => return None,
+            1 => Self::Finished,
+            2 => Self::Refused,
+            3 => Self::Failed,
+            4 => Self::Dropped,
+            6 => Self::Lost,
+            _ => Self::TimedOut,
+        })
+    }
+}
+
+/// What a session has to tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HostEvent<'a> {
+    /// The position was reported.
+    Report(&'a Vector),
+    /// An error notice came: with this code, about the command with this number if it had one. What is to be done about
+    /// it, the session does.
+    Error(u8, Option<u16>),
+    /// A session has begun.
+    Begun,
+    /// The oldest of the moves that have not been told about yet has ended. The code is that of the error notice, or 0.
+    Ended(Outcome, u8),
+}
+
+// In the order in which they are told.
+pub(super) const TELL_BEGUN: c_uchar = 1;
+pub(super) const TELL_REPORT: c_uchar = 1 << 1;
+pub(super) const TELL_ERROR: c_uchar = 1 << 2;

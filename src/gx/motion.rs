@@ -1,0 +1,381 @@
+//! The motion side: takes commands, queues moves for the firmware, tells how they end.
+//!
+//! A [`Motion`] does no I/O: it is fed the bytes that were received and the time, and asked for moves and for the bytes
+//! to send. The firmware takes the [`next`](Motion::next) move, as many ahead as it plans with, and says when the
+//! oldest it took is [`done`](Motion::done).
+//!
+//! # Numbers
+//!
+//! are the host's, as the proposal has it: any command may have one or none, the same one may come again, and when a
+//! command that has one is completed, it is sent back in its own format. So it is from power-up on.
+//!
+//! # Sessions
+//!
+//! That alone helps little on a line that loses bytes: deltas behind a lost command lead elsewhere, and a host that
+//! repeats a command has it carried out twice. So a host can begin a session, in which numbers are in order; that takes
+//! nothing but what the proposal has:
+//!
+//! - It begins with two *numbered* requests for position reports (period 0: none) without another command between them,
+//!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number, as any
+//!   numbered command is; the second by that of the first and its own, so that the host can tell that both came. Ends
+//!   of moves that were queued before are not told any more.
+//! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`ORDER`]; so is one
+//!   without a number, as [`NUMBERLESS`]: it may have lost it. Nothing lost goes unnoticed then, and no delta is added
+//!   to the wrong position.
+//! - A number that was taken before means a repeat: it is not carried out again. If that move has ended, its end is
+//!   told again; else the position is reported, as a sign of life.
+//! - When a move is refused, those behind it are too, and only the first of them is told, until what was
+//!   refused comes again.
+//! - A numbered request for position reports begins a new session, by itself.
+//! - When the machine [stops](Motion::stop), the session is over, but the host may have sent more moves before it hears
+//!   of that: they are refused, as [`CLOSED`], until it begins a new one.
+//!
+//! ESC ESC, which no host sends that begins sessions, ends one for good: moves are taken with any number or none again,
+//! from a person at a terminal, say.
+//!
+//! A motion side that was switched off and on, or reset, does not know of the session it was in, and takes what comes
+//! as from any host. Where that may happen unseen by a host that relies on its session,
+//! [`MotionSettings::only_in_order`] has it refuse all moves, as [`CLOSED`], until a session begins; for which one
+//! request is enough then.
+//!
+//! # What can't be relied on
+//!
+//! Commands have no checksum. A flipped bit in a number, mask, velocity or position makes another command, which is
+//! carried out if its number is the next. A lost byte is noticed in binary, unless it is the mask: then the next byte is
+//! taken for that. Of several lost in a row, the rests of two commands may make one. In ASCII a lost digit is never noticed.
+
+mod event;
+mod health;
+mod notices;
+mod order;
+mod queue;
+mod reports;
+mod settings;
+
+use core::ffi::{c_uchar, c_ulong};
+
+use super::{
+    CommandReceiver, ENCODED_MAX, Fault, Format, Item, MASK_AXES, Message, Number, POSITION_MAX, POSITION_MIN, Vector,
+    write_completed, write_position, write_refused,
+};
+use crate::clock::{left, stamp};
+pub use event::{MotionEvent, Untold};
+pub use health::MotionHealth;
+use health::count;
+pub use notices::{Notice, Notices};
+pub use order::Order;
+pub(super) use order::STRIDE;
+use order::{Opening, Verdict};
+pub(crate) use queue::copy;
+pub use queue::{Queue, Queued};
+pub use reports::Reports;
+pub use settings::MotionSettings;
+
+// Codes of error notices, behind those of receivers.
+
+/// The number is not the next.
+pub const ORDER: u8 = 16;
+/// A session is over, or none has begun and moves are taken in sessions only.
+pub const CLOSED: u8 = 17;
+/// A move without a number where numbers are in order.
+pub const NUMBERLESS: u8 = 18;
+/// The machine does not have that axis.
+pub const AXIS: u8 = 19;
+/// The machine has stopped: this move was not finished, those behind it are dropped.
+pub const STOPPED: u8 = 20;
+/// The first of the codes that firmware may use as it likes, instead of [`STOPPED`].
+pub const CODE_FREE: u8 = 64;
+
+const ESC: u8 = 0x1B;
+
+/// A motion side. Its fields are private; all zero is a new one with default settings.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Motion {
+    settings: MotionSettings,
+    health: MotionHealth,
+    queue: Queue,
+    /// What is reported.
+    position: Vector,
+    reports: Reports,
+    notices: Notices,
+    order: Order,
+    untold: Untold,
+    receiver: CommandReceiver,
+    /// When the last bytes came.
+    arrived_at: c_ulong,
+    /// Whether the line was not quiet since.
+    busy: c_uchar,
+    /// Whether the last byte was ESC.
+    escaped: c_uchar,
+}
+
+impl Motion {
+    /// A motion side that has just begun.
+    #[must_use]
+    pub const fn new(settings: MotionSettings) -> Self {
+        Self {
+            settings,
+            health: MotionHealth::new(),
+            queue: Queue::new(),
+            position: Vector::new(),
+            reports: Reports::new(),
+            notices: Notices::new(),
+            order: Order::new(),
+            untold: Untold::new(),
+            receiver: CommandReceiver::new(),
+            arrived_at: 0,
+            busy: 0,
+            escaped: 0,
+        }
+    }
+
+    /// Replaces the settings. For a motion side that has just begun.
+    pub fn set(&mut self, settings: &MotionSettings) {
+        self.settings.gap_ms = settings.gap_ms;
+        self.settings.axes = settings.axes;
+        self.settings.only_in_order = settings.only_in_order;
+    }
+
+    /// Takes received bytes, and tells how many: fewer than all when an event or notices have to be fetched first.
+    pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
+        let mut rest = input;
+        while let Some(first) = rest.first() {
+            if !self.has_room() {
+                break;
+            }
+            if *first == ESC {
+                // Byte by byte, as receivers don't tell.
+                if self.escaped != 0 {
+                    self.order.close();
+                }
+                self.escaped = 1;
+                self.receiver.reset();
+                rest = rest.get(1..).unwrap_or_default();
+                continue;
+            }
+            self.escaped = 0;
+            let portion = rest.iter().position(|byte| *byte == ESC).and_then(|end| rest.get(..end)).unwrap_or(rest);
+            let mut item = Item::new();
+            let taken = self.receiver.receive(portion, &mut item);
+            rest = rest.get(taken..).unwrap_or_default();
+            if self.look_at(&item).is_none() && taken == 0 {
+                break;
+            }
+        }
+        let taken = input.len().wrapping_sub(rest.len());
+        if taken != 0 {
+            self.arrived_at = stamp(now);
+            self.busy = 1;
+        }
+        taken
+    }
+
+    /// The next event; `None` when nothing has happened.
+    pub fn poll(&mut self, now: u32) -> Option<MotionEvent> {
+        if self.busy != 0 && self.has_room() && left(now, self.arrived_at, self.settings.gap()) == 0 {
+            self.busy = 0;
+            let mut item = Item::new();
+            self.receiver.idle(&mut item);
+            self.look_at(&item);
+        }
+        self.untold.take()
+    }
+
+    /// Takes the next move to carry out, if there is one: the mask tells which axes it names, and whether a velocity
+    /// was ever set; where the others are to stay is filled in too.
+    #[expect(clippy::should_implement_trait, reason = "what it returns is borrowed")]
+    pub fn next(&mut self) -> Option<(&Vector, Option<Number>)> {
+        self.queue.next()
+    }
+
+    /// The oldest of the moves taken has been carried out. `false`: none was taken.
+    pub fn done(&mut self) -> bool {
+        self.queue.end()
+    }
+
+    /// How many moves are queued or being carried out.
+    #[must_use]
+    pub fn unfinished(&self) -> u8 {
+        self.queue.unfinished()
+    }
+
+    /// The machine has stopped and will not go on: drops all moves. The oldest of them is told with this code, a
+    /// session is over (moves are refused until another begins), and where the machine is has to be
+    /// [told](Self::set_position) before it is moved by deltas again.
+    pub fn stop(&mut self, code: u8) {
+        if let Some(number) = self.queue.oldest() {
+            self.notices.push(Some(number), number.format, code);
+        }
+        self.queue.drop_unfinished();
+        self.order.stop();
+    }
+
+    /// Where the machine is, for reports; and for moves by deltas as long as no move has told where an axis is.
+    /// `false`: a value is out of range, and nothing has changed.
+    pub fn set_position(&mut self, position: &[i32; 6]) -> bool {
+        if !position.iter().all(|value| (POSITION_MIN..=POSITION_MAX).contains(value)) {
+            return false;
+        }
+        for (axis, value) in position.iter().enumerate() {
+            self.position.set(axis, *value);
+        }
+        self.queue.starts_at(position);
+        true
+    }
+
+    /// Writes the next notice, if it fits in `room` bytes, and returns its length; 0 when there is none. To be called
+    /// after [`poll`](Self::poll); `now` is when it leaves.
+    pub fn output(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+        if let Some(number) = self.queue.ended() {
+            let length = fitting(write_completed(number, frame), room);
+            if length != 0 {
+                self.queue.told();
+            }
+            return length;
+        }
+        if let Some(notice) = self.notices.first() {
+            let length = match (notice.code(), notice.number()) {
+                (0, Some(number)) => write_completed(number, frame),
+                (code, number) => write_refused(notice.format(), number, code & 0x7F, frame),
+            };
+            let length = fitting(length, room);
+            if length != 0 {
+                self.notices.pop();
+            }
+            return length;
+        }
+        if self.reports.left(now) == Some(0) {
+            self.position.mask = self.settings.axes();
+            let length = fitting(write_position(self.reports.format(), &self.position, frame), room);
+            if length != 0 {
+                self.reports.sent(now);
+                count(&mut self.health.reports);
+            }
+            return length;
+        }
+        0
+    }
+
+    /// How many milliseconds may pass until [`poll`](Self::poll) or [`output`](Self::output) have something to do
+    /// without anything being received or done; `None` when there is nothing to wait for.
+    #[must_use]
+    pub fn next_deadline(&self, now: u32) -> Option<u32> {
+        if !self.untold.is_none() || self.queue.ended().is_some() || self.notices.first().is_some() {
+            return Some(0);
+        }
+        let gap = (self.busy != 0).then(|| left(now, self.arrived_at, self.settings.gap()));
+        [gap, self.reports.left(now)].into_iter().flatten().min()
+    }
+
+    /// What was seen so far.
+    #[must_use]
+    pub const fn health(&self) -> &MotionHealth {
+        &self.health
+    }
+
+    /// Whether what one more command brings about can be kept.
+    fn has_room(&self) -> bool {
+        self.untold.is_none() && self.notices.has_room()
+    }
+
+    /// Deals with what was received, if anything.
+    fn look_at(&mut self, item: &Item) -> Option<()> {
+        let message = item.message()?;
+        let (number, format) = (item.number(), item.format());
+        match &message {
+            Message::Move(vector) | Message::Step(vector) => self.command(&message, vector.mask, number, format),
+            Message::Reporting(period) => {
+                self.reports.switch(*period, format);
+                self.untold.put(MotionEvent::Reporting(*period));
+                match number {
+                    Some(number) => self.asked(number),
+                    None => self.order.forget(),
+                }
+            }
+            Message::Malformed(code) => {
+                count(&mut self.health.malformed);
+                if let Some(number) = number {
+                    // Those behind it are out of order, as it tells itself.
+                    self.order.refuses(number.value);
+                }
+                self.refuse(number, format, *code);
+            }
+            // A receiver of commands tells no others.
+            _ => (),
+        }
+        Some(())
+    }
+
+    /// Reports were asked for, with a number.
+    fn asked(&mut self, number: Number) {
+        let opening = self.order.ask(number.value, self.only_in_order());
+        if opening != Opening::None {
+            self.queue.silence();
+            self.notices.clear();
+            self.untold.put(MotionEvent::Begun(Some(number)));
+        }
+        if let Opening::Behind(first) = opening {
+            self.notices.push(Some(Number { value: first, format: number.format }), number.format, 0);
+        }
+        self.notices.push(Some(number), number.format, 0);
+    }
+
+    const fn only_in_order(&self) -> bool {
+        self.settings.only_in_order != 0
+    }
+
+    fn command(&mut self, message: &Message<'_>, named: u8, number: Option<Number>, format: Format) {
+        self.order.forget();
+        let code = match self.order.judge(number.map(|number| number.value), self.only_in_order()) {
+            Verdict::Next => match self.queue_up(message, named, number) {
+                Ok(()) => return,
+                Err(code) => code,
+            },
+            Verdict::Repeat(behind) => {
+                count(&mut self.health.repeats);
+                self.untold.put(MotionEvent::Repeated(number));
+                if behind < self.queue.awaited() {
+                    self.reports.one(format);
+                } else if let Some(number) = number {
+                    self.notices.push(Some(number), number.format, 0);
+                }
+                return;
+            }
+            Verdict::Refuse(code) => code,
+        };
+        count(&mut self.health.refused);
+        if number.is_none_or(|number| self.order.refuses(number.value)) {
+            self.refuse(number, format, code);
+        } else {
+            self.untold.put(MotionEvent::Refused(number, code));
+        }
+    }
+
+    /// # Errors
+    ///
+    /// The code of the refusal.
+    fn queue_up(&mut self, message: &Message<'_>, named: u8, number: Option<Number>) -> Result<(), u8> {
+        if named & MASK_AXES & !self.settings.axes() != 0 {
+            return Err(AXIS);
+        }
+        if !self.queue.has_room() {
+            return Err(Fault::Busy as u8);
+        }
+        self.queue.push(message, named, number).map_err(|_| Fault::Limit as u8)?;
+        self.order.taken();
+        count(&mut self.health.moves);
+        self.untold.put(MotionEvent::Queued(number));
+        Ok(())
+    }
+
+    fn refuse(&mut self, number: Option<Number>, format: Format, code: u8) {
+        self.notices.push(number, format, code);
+        self.untold.put(MotionEvent::Refused(number, code));
+    }
+}
+
+/// The length of what was written, if it fits the room.
+pub(crate) fn fitting<E>(length: Result<usize, E>, room: usize) -> usize {
+    length.ok().filter(|length| *length <= room).unwrap_or_default()
+}

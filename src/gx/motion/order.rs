@@ -1,0 +1,226 @@
+//! Which numbered command is the next, if numbers are in order at all.
+
+use core::ffi::{c_uchar, c_ushort};
+
+use super::{CLOSED, NUMBERLESS, ORDER};
+use crate::gx::NUMBER_MAX;
+
+/// How far the numbers of the two requests that begin a session lie apart: a third of all numbers, which is more than
+/// those of left-over notices do, whichever way round.
+pub(in crate::gx) const STRIDE: u16 = 5461;
+
+/// The order of numbers at the motion side. Its fields are private; all zero: none is kept.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Order {
+    /// The number that the next command has to have.
+    next: c_ushort,
+    /// The number that was refused last.
+    refused: c_ushort,
+    /// One more than the number of the request for reports that came last; 0: another command has come since.
+    asked: c_ushort,
+    /// Whether that one came directly behind the one whose number lies a stride before.
+    paired: c_uchar,
+    /// One of the stages below.
+    stage: c_uchar,
+    /// Whether nothing was taken since the last one was refused.
+    refusing: c_uchar,
+}
+
+/// Numbers mean nothing.
+const FREE: c_uchar = 0;
+/// A session: they are in order.
+const OPEN: c_uchar = 1;
+/// A session has ended, and its host may not know yet. (Anything else is that too.)
+const OVER: c_uchar = 2;
+
+/// What a number says about a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It is the next.
+    Next,
+    /// It was taken before, as the last but this many.
+    Repeat(u16),
+    /// It can't be taken, for this reason.
+    Refuse(u8),
+}
+
+/// What a numbered request for reports begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Opening {
+    /// Nothing.
+    None,
+    /// A session; what came before this request is not known.
+    Alone,
+    /// A session, behind a request with this number.
+    Behind(u16),
+}
+
+impl Order {
+    pub(super) const fn new() -> Self {
+        Self { next: 0, refused: 0, asked: 0, paired: 0, stage: FREE, refusing: 0 }
+    }
+
+    /// A host asks for reports, with a number. Where an order is kept already, or has to be (`only`), that begins a
+    /// session by itself.
+    pub(super) fn ask(&mut self, number: u16, only: bool) -> Opening {
+        let before = number.wrapping_sub(STRIDE) & NUMBER_MAX;
+        // It may be asked for again, when the answer was lost.
+        let again = self.asked == number.wrapping_add(1) && self.paired != 0;
+        let paired = again || self.asked == before.wrapping_add(1);
+        self.asked = number.wrapping_add(1);
+        self.paired = paired.into();
+        if !paired && !only && self.stage == FREE {
+            return Opening::None;
+        }
+        self.next = number.wrapping_add(1) & NUMBER_MAX;
+        self.stage = OPEN;
+        self.refusing = 0;
+        if paired { Opening::Behind(before) } else { Opening::Alone }
+    }
+
+    /// Something else has come.
+    pub(super) const fn forget(&mut self) {
+        self.asked = 0;
+    }
+
+    /// A session can't go on. What its host has sent meanwhile is not to be taken for anything else.
+    pub(super) const fn stop(&mut self) {
+        if self.stage == OPEN {
+            self.stage = OVER;
+        }
+    }
+
+    /// No order is kept any more.
+    pub(super) const fn close(&mut self) {
+        self.asked = 0;
+        self.stage = FREE;
+    }
+
+    /// `only`: moves are taken in a session only.
+    pub(super) const fn judge(&self, number: Option<u16>, only: bool) -> Verdict {
+        if self.stage == FREE && !only {
+            return Verdict::Next;
+        }
+        let Some(number) = number else {
+            return Verdict::Refuse(NUMBERLESS);
+        };
+        if self.stage != OPEN {
+            return Verdict::Refuse(CLOSED);
+        }
+        match self.ahead(number) {
+            0 => Verdict::Next,
+            // Of the two ways round, the shorter one.
+            ahead if ahead <= NUMBER_MAX / 2 => Verdict::Refuse(ORDER),
+            ahead => Verdict::Repeat(NUMBER_MAX.wrapping_sub(ahead)),
+        }
+    }
+
+    /// The next command was taken.
+    pub(super) const fn taken(&mut self) {
+        self.next = self.next.wrapping_add(1) & NUMBER_MAX;
+        self.refusing = 0;
+    }
+
+    /// A command is refused: whether its host needs to be told. Of those that follow a refused one in a session, it does
+    /// not: none of them can be taken. Unless it has gone back already, and this one is out of order again.
+    pub(super) const fn refuses(&mut self, number: u16) -> bool {
+        let tells = self.refusing == 0 || self.stage != OPEN || self.ahead(number) <= self.ahead(self.refused);
+        self.refusing = 1;
+        self.refused = number;
+        tells
+    }
+
+    const fn ahead(&self, number: u16) -> u16 {
+        number.wrapping_sub(self.next) & NUMBER_MAX
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CLOSED, NUMBERLESS, ORDER, Opening, Order, Verdict};
+
+    /// A session whose first move has the number behind this one.
+    fn begun(number: u16) -> Order {
+        let mut order = Order::new();
+        assert_eq!(order.ask(number, true), Opening::Alone);
+        order
+    }
+
+    #[test]
+    fn numbers_count_once_begun_and_wrap() {
+        let mut order = begun(16382);
+        assert_eq!(order.judge(None, false), Verdict::Refuse(NUMBERLESS));
+        assert_eq!(order.judge(Some(16383), false), Verdict::Next);
+        assert_eq!(order.judge(Some(0), false), Verdict::Refuse(ORDER));
+        assert_eq!(order.judge(Some(16382), false), Verdict::Repeat(0));
+        order.taken();
+        assert_eq!(order.judge(Some(0), false), Verdict::Next);
+        assert_eq!(order.judge(Some(16383), false), Verdict::Repeat(0));
+        assert_eq!(order.judge(Some(16380), false), Verdict::Repeat(3));
+        assert_eq!(order.judge(Some(8191), false), Verdict::Refuse(ORDER));
+        assert_eq!(order.judge(Some(8192), false), Verdict::Repeat(8191));
+        order.stop();
+        assert_eq!(order.judge(Some(0), false), Verdict::Refuse(CLOSED));
+        assert_eq!(order.judge(None, false), Verdict::Refuse(NUMBERLESS));
+        order.close();
+        assert_eq!(order.judge(Some(0), false), Verdict::Next);
+        assert_eq!(order.judge(None, false), Verdict::Next);
+        assert_eq!(order.judge(Some(0), true), Verdict::Refuse(CLOSED));
+        assert_eq!(order.judge(None, true), Verdict::Refuse(NUMBERLESS));
+        order.stop();
+        assert_eq!(order.judge(Some(0), false), Verdict::Next);
+    }
+
+    #[test]
+    fn two_requests_begin() {
+        let mut order = Order::new();
+        for (number, opening) in [
+            (12, Opening::None),
+            (12, Opening::None),
+            (5474, Opening::None),
+            (13, Opening::None),
+            (5474, Opening::Behind(13)),
+            (5474, Opening::Behind(13)),
+            // In a session one is enough.
+            (5474 + 5460, Opening::Alone),
+            (11, Opening::Behind(10934)),
+        ] {
+            assert_eq!(order.ask(number, false), opening, "{number}");
+            assert_eq!(order.judge(Some(number + 1), false), Verdict::Next, "{number}");
+        }
+        order.close();
+        assert_eq!(order.ask(5472, false), Opening::None);
+        order.forget();
+        assert_eq!(order.ask(10933, false), Opening::None);
+        assert_eq!(order.judge(None, false), Verdict::Next);
+        assert_eq!(order.ask(10, false), Opening::Behind(10933));
+    }
+
+    /// After a stop, one is enough too: no other host has come so far.
+    #[test]
+    fn one_request_begins_anew() {
+        let mut order = begun(9);
+        order.stop();
+        order.forget();
+        assert_eq!(order.ask(100, false), Opening::Alone);
+        assert_eq!(order.judge(Some(101), false), Verdict::Next);
+    }
+
+    #[test]
+    fn of_a_run_of_refused_commands_the_first_is_told() {
+        let mut order = begun(9);
+        assert!(order.refuses(11));
+        assert!(!order.refuses(12));
+        assert!(!order.refuses(14));
+        // The host went back, and 10 was lost again.
+        assert!(order.refuses(11));
+        assert!(!order.refuses(12));
+        // It asks with its newest one.
+        assert!(order.refuses(12));
+        order.taken();
+        assert!(order.refuses(12));
+        order.close();
+        assert!(order.refuses(12) && order.refuses(13) && order.refuses(14));
+    }
+}

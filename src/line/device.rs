@@ -1,0 +1,428 @@
+//! The device's end of the link: what to do about a line, and what to answer.
+//!
+//! An [`Input`] collects the line, a [`DeviceLink`] judges it and writes the answers; neither calls anything. Firmware
+//! (through [`crate::ffi::line_device`]) goes through a line in steps: [`accept`](DeviceLink::accept) tells whether the
+//! line is intact, [`ack`](DeviceLink::ack) writes what comes first, [`repeated`](DeviceLink::repeated) has the answer
+//! that is to be sent again when the command was executed before. If it was not, the firmware executes the command,
+//! writes the answer into the room that [`begin`](DeviceLink::begin) made and has it finished by
+//! [`finish`](DeviceLink::finish). In between nothing is borrowed.
+//!
+//! What the page "Ozeki Line Protocol" leaves open is decided so:
+//!
+//! - `t` counts the messages of both ends: one that is sent has the next, one that is received moves the counter
+//!   forward, never back. Acks have their command's t, welcomes none.
+//! - An `onerror` in place of an answer (see [`Fault::is_final`]) has its command's t and id, so that it can be told
+//!   which command it answers. Any other is an event like others.
+//! - A command may have a checksum when none is in force; a wrong one is never executed.
+//! - A host that was restarted does not know that checksums are in force. Its `linksetup` without one is believed when
+//!   it comes twice in the same words: what was damaged does not.
+
+mod answers;
+mod fault;
+mod input;
+mod setup;
+mod welcome;
+
+use core::ffi::{c_uchar, c_uint, c_ulong};
+
+pub use answers::{Answer, Answers};
+pub use fault::Fault;
+pub use input::Input;
+pub use setup::Setup;
+pub use welcome::{Welcome, is_id};
+
+use super::encoder::{EncodeError, Encoder};
+use super::message::{Checksum, Message};
+use crate::clock::span;
+use crate::config::OLP_REPLY_MAX;
+
+/// Bytes of the longest id that a device behind a link may have.
+pub const ID_MAX: usize = 10;
+/// Room for the lines that are written here, an answer's excepted.
+pub const OWN_LINE_MAX: usize = 80;
+/// For how many milliseconds after a command its repeats are expected, by default.
+pub const REPEAT_MS: u32 = 3000;
+
+/// What an intact command says about itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Its t. A command without is executed as often as it comes.
+    pub t: Option<u8>,
+    /// Its checksum, whether it stands in it or not.
+    pub sum: u16,
+    /// Where the answer is, when it was executed before.
+    place: Option<usize>,
+}
+
+/// How the link does. The counters wrap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct DeviceHealth {
+    /// Commands that were received intact, repeats among them.
+    pub commands: c_ulong,
+    /// Commands that came again and were only answered again.
+    pub repeats: c_ulong,
+    /// Lines whose checksum was wrong or missing.
+    pub checksums: c_ulong,
+    /// Lines that could not be read.
+    pub malformed: c_ulong,
+    /// Lines that were too long.
+    pub overflows: c_ulong,
+    /// Commands that were refused: by their function, or because nobody knows their id or name.
+    pub refused: c_ulong,
+}
+
+/// What is known of the link. All zero is one that has just been connected.
+#[derive(Clone, Debug, Default)]
+#[repr(C)]
+pub struct DeviceLink {
+    answers: Answers,
+    health: DeviceHealth,
+    /// For how many milliseconds repeats are expected; 0 stands for 3000.
+    repeat_ms: c_ulong,
+    /// The checksum of the linksetup that was refused last for want of one; 0, which no line has, when another came
+    /// after it.
+    doubted: c_uint,
+    setup: Setup,
+    /// The t of the next message.
+    next: c_uchar,
+}
+
+impl DeviceLink {
+    /// A link that has just been connected, on which repeats are expected for so many milliseconds, 0 standing for
+    /// [`REPEAT_MS`].
+    pub const fn expect_repeats_for(&mut self, repeat_ms: c_ulong) {
+        self.repeat_ms = repeat_ms;
+    }
+
+    /// The settings in force.
+    #[must_use]
+    pub const fn setup(&self) -> Setup {
+        self.setup
+    }
+
+    /// How the link does.
+    #[must_use]
+    pub const fn health(&self) -> &DeviceHealth {
+        &self.health
+    }
+
+    /// It is `now`, in milliseconds: to be told before anything else that happens then.
+    pub fn tick(&mut self, now: u32) {
+        self.answers.tick(now);
+    }
+
+    /// Whether a line is a command that was received intact, and executed before.
+    ///
+    /// # Errors
+    ///
+    /// If it is not intact, what is wrong.
+    pub fn accept(&mut self, message: &Message, now: u32) -> Result<Request, Fault> {
+        let sum = message.sum();
+        match message.checksum() {
+            Checksum::Wrong => return Err(Fault::Checksum),
+            Checksum::None if self.setup.checks() => {
+                let believed = self.doubted == c_uint::from(sum);
+                self.doubted = if is_setup(message) { c_uint::from(sum) } else { 0 };
+                if self.doubted == 0 || !believed {
+                    return Err(Fault::Checksum);
+                }
+            }
+            _ => (),
+        }
+        let t = match message.get(b"t") {
+            Some(t) => Some(t.byte().ok_or(Fault::Malformed)?),
+            None => None,
+        };
+        self.doubted = 0;
+        count(&mut self.health.commands);
+        let mut place = None;
+        if let Some(t) = t {
+            let span = span(self.repeat_ms, REPEAT_MS);
+            place = self.answers.find(t, sum, self.setup.window(), now, span);
+            let steps = t.wrapping_add(1).wrapping_sub(self.next);
+            if place.is_some() {
+                count(&mut self.health.repeats);
+            } else if steps < 128 {
+                self.advance(steps);
+            }
+        }
+        Ok(Request { t, sum, place })
+    }
+
+    /// Carries out a linksetup, after which nothing received before is taken for repeated.
+    pub fn change_setup(&mut self, message: &Message) {
+        self.setup.change(message);
+        self.answers.forget();
+    }
+
+    /// Writes the ack of a command, if commands are acked: 0 if not.
+    pub fn ack(&self, request: &Request, id: &[u8], room: &mut [u8]) -> usize {
+        if !self.setup.acks() {
+            return 0;
+        }
+        let mut line = Encoder::begin(room, b"ack");
+        if self.setup.checks() {
+            line.hex(b"checksum", request.sum);
+        } else {
+            line.text(b"checksum", b"null");
+        }
+        end(&mut line, request.t, id)
+    }
+
+    /// Writes what answers a linksetup, which may have asked for a window.
+    pub fn setup_answer(&mut self, message: &Message, id: &[u8], room: &mut [u8]) -> usize {
+        let with_window = self.setup.window() != 1 || message.get(b"windowsize").is_some();
+        let mut line = Encoder::begin(room, b"linksetup_resp");
+        self.setup.write(&mut line, with_window);
+        let length = line.text(b"id", id).int(b"t", self.next.into()).finish(false).unwrap_or(0);
+        self.advance(1);
+        length
+    }
+
+    /// Puts a setup in force, and writes the event that tells so.
+    pub fn setup_event(&mut self, setup: Setup, id: &[u8], room: &mut [u8]) -> usize {
+        self.setup = setup;
+        self.answers.forget();
+        let mut line = Encoder::begin(room, b"linksetup");
+        setup.write(&mut line, true);
+        let length = end(&mut line, Some(self.next), id);
+        self.advance(1);
+        length
+    }
+
+    /// Writes an `onerror`; `request` is the command that a final one answers.
+    pub fn fault(&mut self, fault: Fault, request: Option<&Request>, id: &[u8], room: &mut [u8]) -> usize {
+        self.count(fault);
+        let Some(request) = request else {
+            let length = write_fault(fault, Some(self.next), id, room);
+            self.advance(1);
+            return length;
+        };
+        write_fault(fault, request.t, id, room)
+    }
+
+    /// The answer to a command that was executed before.
+    #[must_use]
+    pub fn repeated(&self, request: &Request) -> Option<&[u8]> {
+        self.answers.get(request.place?)
+    }
+
+    /// Room for a line as long as an answer may be, before there are any.
+    pub fn room(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+        self.answers.room()
+    }
+
+    /// Makes room for an answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does not fit.
+    pub fn begin(&mut self, command: &[u8]) -> (&mut [u8; OLP_REPLY_MAX], usize) {
+        let room = self.answers.begin();
+        let mut line = Encoder::resume(room, 0);
+        line.put_all(b"c=");
+        line.put_all(command);
+        line.put_all(b"_resp");
+        let length = line.length();
+        (room, length)
+    }
+
+    /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place;
+    /// keeps it for repeats of the command and returns it, and which fault it tells of.
+    pub fn finish(&mut self, request: &Request, id: &[u8], answer: Result<usize, Fault>) -> (&[u8], Option<Fault>) {
+        let next = self.next;
+        let written = answer.and_then(|length| {
+            let mut line = Encoder::resume(self.answers.room(), length);
+            line.text(b"id", id).int(b"t", next.into()).finish(false).map_err(|_| Fault::TooLong)
+        });
+        let length = match written {
+            Ok(length) => {
+                self.advance(1);
+                length
+            }
+            Err(fault) => {
+                self.count(fault);
+                write_fault(fault, request.t, id, self.answers.room())
+            }
+        };
+        if let Some(t) = request.t {
+            self.answers.keep(t, request.sum, length);
+        }
+        (self.answers.room().get(..length).unwrap_or_default(), written.err())
+    }
+
+    /// Ends an event: adds id, t and the end of the line.
+    ///
+    /// # Errors
+    ///
+    /// The first error there was in it; then it does not count.
+    pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> Result<usize, EncodeError> {
+        let length = event.text(b"id", id).int(b"t", self.next.into()).finish(false)?;
+        self.advance(1);
+        Ok(length)
+    }
+
+    fn count(&mut self, fault: Fault) {
+        count(match fault {
+            Fault::Checksum => &mut self.health.checksums,
+            Fault::Overflow => &mut self.health.overflows,
+            Fault::Malformed => &mut self.health.malformed,
+            _ => &mut self.health.refused,
+        });
+    }
+
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    fn advance(&mut self, steps: u8) {
+        self.answers.age(self.next, steps);
+        self.next = self.next.wrapping_add(steps);
+    }
+}
+
+/// Whether a command is the one that the link itself executes.
+#[must_use]
+pub fn is_setup(message: &Message) -> bool {
+    message.command().is(b"linksetup")
+}
+
+fn write_fault(fault: Fault, t: Option<u8>, id: &[u8], room: &mut [u8]) -> usize {
+    end(Encoder::begin(room, b"onerror").text(b"code", fault.code()), t, id)
+}
+
+/// Ends a line by t and id, those that there are.
+fn end(line: &mut Encoder, t: Option<u8>, id: &[u8]) -> usize {
+    if let Some(t) = t {
+        line.int(b"t", t.into());
+    }
+    if !id.is_empty() {
+        line.text(b"id", id);
+    }
+    line.finish(false).unwrap_or(0)
+}
+
+fn count(counter: &mut c_ulong) {
+    *counter = counter.wrapping_add(1);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::String;
+
+    const ID: &[u8] = b"9o5qzg";
+
+    fn text(bytes: &[u8]) -> String {
+        String::from_utf8(bytes.to_vec()).unwrap()
+    }
+
+    /// Takes a command through its steps; "state=1" is what it answers. A command of any name is executed.
+    fn answers(device: &mut DeviceLink, line: &[u8], now: u32) -> String {
+        let mut input = Input::new();
+        assert_eq!(input.take(line), line.len());
+        let mut room = [0; OWN_LINE_MAX];
+        let mut sent = String::new();
+        device.tick(now);
+        let message = input.line().unwrap().and_then(|line| Message::parse(line).map_err(|_| Fault::Malformed));
+        let request = match message.and_then(|message| device.accept(&message, now)) {
+            Ok(request) => request,
+            Err(fault) => {
+                let length = device.fault(fault, None, ID, &mut room);
+                return text(&room[..length]);
+            }
+        };
+        let message = message.unwrap();
+        if is_setup(&message) {
+            device.change_setup(&message);
+        }
+        let length = device.ack(&request, ID, &mut room);
+        sent += &text(&room[..length]);
+        if is_setup(&message) {
+            let length = device.setup_answer(&message, ID, &mut room);
+            return sent + &text(&room[..length]);
+        }
+        if let Some(answer) = device.repeated(&request) {
+            return sent + "again " + &text(answer);
+        }
+        let (room, begun) = device.begin(message.command().raw());
+        room[begun..begun + 8].copy_from_slice(b"&state=1");
+        sent + &text(device.finish(&request, ID, Ok(begun + 8)).0)
+    }
+
+    #[test]
+    fn commands_are_answered_and_repeats_too() {
+        let mut device = DeviceLink::default();
+        let line = b"c=setswitch&state=1&t=11&id=9o5qzg\n";
+        assert_eq!(answers(&mut device, line, 0), "c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
+        assert_eq!(answers(&mut device, line, 10), "again c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
+        assert_eq!(
+            answers(&mut device, b"c=setswitch&state=1&id=9o5qzg\n", 20),
+            "c=setswitch_resp&state=1&id=9o5qzg&t=13\n"
+        );
+        // That was the last command, and one is remembered.
+        assert_eq!(answers(&mut device, line, 30), "c=setswitch_resp&state=1&id=9o5qzg&t=14\n");
+        assert_eq!(device.health().repeats, 1);
+        assert_eq!(device.health().commands, 4);
+    }
+
+    #[test]
+    fn the_counter_never_goes_back() {
+        let mut device = DeviceLink::default();
+        for (t, answer) in [(0, 1), (1, 2), (0, 3), (100, 101), (50, 102), (228, 229), (101, 230), (0, 1), (255, 2)] {
+            let line = std::format!("c=x&t={t}\n");
+            assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&std::format!("t={answer}\n")), "{t}");
+        }
+    }
+
+    #[test]
+    fn a_setup_without_checksum_is_believed_the_second_time() {
+        let mut device = DeviceLink::default();
+        device.setup_event(Setup::new(true, true, 1), ID, &mut [0; OWN_LINE_MAX]);
+        let asked = b"c=linksetup&ack=off&checksum=none&t=0&id=9o5qzg\n";
+        let refused = "c=onerror&code=checksum&t=";
+        assert!(answers(&mut device, asked, 0).starts_with(refused));
+        assert!(answers(&mut device, b"c=setswitch&t=0\n", 0).starts_with(refused));
+        assert!(answers(&mut device, asked, 0).starts_with(refused));
+        assert!(answers(&mut device, b"c=linksetup&ack=off&checksum=none&t=1&id=9o5qzg\n", 0).starts_with(refused));
+        assert!(answers(&mut device, asked, 0).starts_with(refused));
+        assert_eq!(answers(&mut device, asked, 0), "c=linksetup_resp&ack=off&checksum=none&id=9o5qzg&t=6\n");
+        assert_eq!(device.setup(), Setup::new(false, false, 1));
+    }
+
+    #[test]
+    fn answers_without_room_are_errors() {
+        let mut device = DeviceLink::default();
+        let request = Request { t: Some(200), sum: 1, place: None };
+        for fill in OLP_REPLY_MAX - 30..=OLP_REPLY_MAX {
+            let (room, begun) = device.begin(b"x");
+            room[begun..fill].fill(b'y');
+            let fits = fill + "&id=9o5qzg&t=0\n".len() <= OLP_REPLY_MAX;
+            let answer = text(device.finish(&request, ID, Ok(fill)).0);
+            assert_eq!(answer.starts_with("c=x_respy"), fits, "{fill}");
+            assert_eq!(answer == "c=onerror&code=toolong&t=200&id=9o5qzg\n", !fits, "{fill}");
+            device.next = 0;
+        }
+    }
+
+    #[test]
+    fn every_own_line_fits_its_room() {
+        let id = [b'x'; ID_MAX];
+        let setup = Setup::new(false, true, u16::MAX);
+        let mut device = DeviceLink { next: 255, setup: Setup::new(true, true, 1), ..DeviceLink::default() };
+        let mut room = [0; OWN_LINE_MAX];
+        let request = Request { t: Some(255), sum: 0xFFFF, place: None };
+        assert_ne!(device.ack(&request, &id, &mut room), 0);
+        assert_ne!(device.setup_event(setup, &id, &mut room), 0);
+        device.next = 255;
+        let message = Message::parse(b"c=linksetup&windowsize=1").unwrap();
+        assert_ne!(device.setup_answer(&message, &id, &mut room), 0);
+        for fault in [
+            Fault::Checksum,
+            Fault::Overflow,
+            Fault::Malformed,
+            Fault::UnknownId,
+            Fault::UnknownCommand,
+            Fault::Refused,
+            Fault::TooLong,
+        ] {
+            assert_ne!(device.fault(fault, Some(&request), &id, &mut room), 0);
+            // In place of an answer, whatever that may have.
+            assert_ne!(device.fault(fault, Some(&request), &id, &mut [0; 64]), 0);
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! The answers to the last commands, kept to be given again when a command is repeated.
+//!
+//! A repeat is the same line with the same `t`. But `t` wraps, and a host that was restarted counts from 0 again, so
+//! the same line may also come as a new command. What is remembered is therefore no more than repeats need: as many
+//! commands as the window in force has, for a time, and until the counter has come a good part of its way round.
+
+use core::ffi::{c_uchar, c_uint, c_ulong};
+
+use crate::clock::{left, stamp};
+use crate::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
+
+/// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
+/// and the device not seen.
+const AGE_MAX: u16 = 192;
+
+/// The answer to a command.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Answer {
+    /// When the command was executed, or repeated last.
+    since: c_ulong,
+    /// The command's checksum.
+    sum: c_uint,
+    /// The command's t.
+    t: c_uchar,
+    /// Length of the answer; 0 when there is none.
+    length: c_uchar,
+    /// The answer, a line with its LF.
+    text: [c_uchar; OLP_REPLY_MAX],
+}
+
+/// The answers to the last commands. All zero is one without any.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Answers {
+    slots: [Answer; OLP_WINDOW_MAX],
+    newest: c_uchar,
+    /// Not 0: the newest command has just been executed, which may have taken longer than the time in it says.
+    fresh: c_uchar,
+}
+
+impl Answers {
+    /// No answers.
+    #[must_use]
+    pub const fn new() -> Self {
+        const NONE: Answer = Answer { since: 0, sum: 0, t: 0, length: 0, text: [0; OLP_REPLY_MAX] };
+        Self { slots: [NONE; OLP_WINDOW_MAX], newest: 0, fresh: 0 }
+    }
+
+    /// Forgets all of them.
+    pub fn forget(&mut self) {
+        for slot in &mut self.slots {
+            slot.length = 0;
+        }
+    }
+
+    /// It is `now`: to be told before anything else that happens then, so that time spent in executing a command does
+    /// not count as time since.
+    pub fn tick(&mut self, now: u32) {
+        if self.fresh != 0 {
+            self.fresh = 0;
+            self.newest_slot().since = stamp(now);
+        }
+    }
+
+    /// The counter, at `next`, moves on by so many steps.
+    pub fn age(&mut self, next: u8, steps: u8) {
+        for slot in &mut self.slots {
+            if u16::from(next.wrapping_sub(slot.t)).wrapping_add(u16::from(steps)) >= AGE_MAX {
+                slot.length = 0;
+            }
+        }
+    }
+
+    /// Where the answer to a command is, if that is one of the last `window` and was executed or repeated last less
+    /// than `span` milliseconds ago.
+    pub fn find(&mut self, t: u8, sum: u16, window: u8, now: u32, span: u32) -> Option<usize> {
+        let newest = usize::from(self.newest);
+        let (place, slot) = self.slots.iter_mut().enumerate().find(|(place, slot)| {
+            let later = newest.checked_sub(*place).unwrap_or(newest.wrapping_add(OLP_WINDOW_MAX).wrapping_sub(*place));
+            later < usize::from(window)
+                && slot.length != 0
+                && slot.t == t
+                && slot.sum == c_uint::from(sum)
+                && left(now, slot.since, span) != 0
+        })?;
+        slot.since = stamp(now);
+        Some(place)
+    }
+
+    /// The answer at a place.
+    #[must_use]
+    pub fn get(&self, place: usize) -> Option<&[u8]> {
+        self.slots.get(place).and_then(|slot| slot.text.get(..usize::from(slot.length)))
+    }
+
+    /// Makes room for an answer, in place of the oldest.
+    pub fn begin(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+        let next = self.newest.wrapping_add(1);
+        self.newest = if usize::from(next) < OLP_WINDOW_MAX { next } else { 0 };
+        let slot = self.newest_slot();
+        slot.length = 0;
+        &mut slot.text
+    }
+
+    /// The room of the answer begun last.
+    pub fn room(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+        &mut self.newest_slot().text
+    }
+
+    /// Keeps the answer begun last, which has become that long, for repeats of the command.
+    pub fn keep(&mut self, t: u8, sum: u16, length: usize) {
+        self.fresh = 1;
+        let slot = self.newest_slot();
+        slot.t = t;
+        slot.sum = c_uint::from(sum);
+        slot.length = u8::try_from(length).unwrap_or_default();
+    }
+
+    fn newest_slot(&mut self) -> &mut Answer {
+        let place = if usize::from(self.newest) < OLP_WINDOW_MAX { usize::from(self.newest) } else { 0 };
+        #[expect(clippy::indexing_slicing, reason = "in range, as the line above sees to")]
+        &mut self.slots[place]
+    }
+}
+
+impl Default for Answers {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Answers, OLP_WINDOW_MAX};
+    use std::vec::Vec;
+
+    const SPAN: u32 = 3000;
+
+    fn keep(answers: &mut Answers, t: u8, sum: u16, text: &[u8]) {
+        answers.begin()[..text.len()].copy_from_slice(text);
+        answers.keep(t, sum, text.len());
+    }
+
+    fn found(answers: &mut Answers, t: u8, sum: u16, window: u8, now: u32, span: u32) -> Option<Vec<u8>> {
+        let place = answers.find(t, sum, window, now, span)?;
+        answers.get(place).map(<[u8]>::to_vec)
+    }
+
+    #[test]
+    fn the_last_window_of_them() {
+        for window in [1, 2, u8::try_from(OLP_WINDOW_MAX).unwrap()] {
+            let mut answers = Answers::new();
+            for t in 0..100 {
+                keep(&mut answers, t, 7, &[t]);
+                answers.tick(1000);
+                for old in 0..=t {
+                    let kept = t - old < window;
+                    let answer = found(&mut answers, old, 7, window, 1000, SPAN);
+                    assert_eq!(answer, kept.then_some([old].to_vec()), "{old} at {t}, {window}");
+                }
+                assert_eq!(found(&mut answers, t, 8, window, 1000, SPAN), None);
+            }
+            answers.forget();
+            assert_eq!(found(&mut answers, 99, 7, window, 1000, SPAN), None);
+        }
+    }
+
+    #[test]
+    fn kept_for_a_time_that_repeats_renew() {
+        let mut answers = Answers::new();
+        keep(&mut answers, 1, 2, b"x");
+        // It took longer than answers are kept.
+        answers.tick(50_000);
+        answers.tick(51_000);
+        for now in [52_999, 55_998, 58_997] {
+            assert_eq!(found(&mut answers, 1, 2, 1, now, SPAN), Some(b"x".to_vec()), "{now}");
+        }
+        assert_eq!(found(&mut answers, 1, 2, 1, 61_997, SPAN), None);
+        assert_eq!(found(&mut answers, 1, 2, 1, u32::MAX, SPAN), None);
+    }
+
+    #[test]
+    fn forgotten_before_the_counter_comes_round() {
+        for steps in [1, 2, 50, 127] {
+            let mut answers = Answers::new();
+            keep(&mut answers, 250, 2, b"x");
+            let mut next = 251_u8;
+            let mut age = 1_u16;
+            while age + u16::from(steps) < 192 {
+                answers.age(next, steps);
+                next = next.wrapping_add(steps);
+                age += u16::from(steps);
+                assert_eq!(found(&mut answers, 250, 2, 1, 0, SPAN), Some(b"x".to_vec()), "{age}");
+            }
+            answers.age(next, steps);
+            assert_eq!(found(&mut answers, 250, 2, 1, 0, SPAN), None);
+        }
+    }
+
+    #[test]
+    fn any_contents_do_no_harm() {
+        let mut answers = Answers::new();
+        answers.newest = 255;
+        answers.fresh = 9;
+        answers.slots[0].length = 255;
+        answers.tick(1);
+        let _ = found(&mut answers, 0, 0, 255, 0, SPAN);
+        keep(&mut answers, 1, 2, b"y");
+        answers.tick(0);
+        assert_eq!(found(&mut answers, 1, 2, 255, 0, SPAN), Some(b"y".to_vec()));
+    }
+}

@@ -1,0 +1,179 @@
+//! The numbers `t` of messages.
+//!
+//! The page counts the messages of both ends together, acks excepted, so the next number is one more than the last
+//! that was sent or seen. Both ends send when they like: a number that is not ahead is of a message that crossed one
+//! of ours, and means nothing.
+
+use core::ffi::{c_uchar, c_uint, c_ushort};
+
+/// Commands that are remembered: as many as any device may remember.
+const RECENT: usize = 64;
+
+/// The counter of a session. Its fields are private.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Counter {
+    /// Numbers and checksums of the last commands: newer ones take the place of the oldest.
+    recent: [Recent; RECENT],
+    /// By how much the number has advanced in all: damaged ones may turn it round more than once.
+    advanced: c_uint,
+    /// Where the next goes.
+    place: c_uchar,
+    /// The next number.
+    next: c_uchar,
+    /// Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows.
+    counts: c_uchar,
+    /// Not 0: a number of the device's is known, from which one can tell that some are missing.
+    heard: c_uchar,
+}
+
+/// A command that the device may remember. Its fields are private.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Recent {
+    sum: c_ushort,
+    t: c_uchar,
+    used: c_uchar,
+}
+
+impl Counter {
+    pub(super) const fn new() -> Self {
+        Self { recent: [Recent { sum: 0, t: 0, used: 0 }; RECENT], advanced: 0, place: 0, next: 0, counts: 0, heard: 0 }
+    }
+
+    /// By how much the number has advanced so far.
+    pub(super) const fn advanced(&self) -> c_uint {
+        self.advanced
+    }
+
+    #[cfg(test)]
+    const fn next(&self) -> u8 {
+        self.next
+    }
+
+    /// A line of the device's had this number. Tells how many are missing before it.
+    pub(super) fn saw(&mut self, t: u8) -> u8 {
+        if t == 0 && self.counts == 0 {
+            return 0;
+        }
+        if self.counts == 0 {
+            self.next = t;
+        }
+        self.counts = 1;
+        let ahead = t.wrapping_sub(self.next).cast_signed();
+        let missing = if self.heard != 0 { u8::try_from(ahead).unwrap_or_default() } else { 0 };
+        self.heard = 1;
+        self.advance_behind(t);
+        missing
+    }
+
+    /// The device has started anew, and counts anew.
+    pub(super) fn restart(&mut self) {
+        self.next = 0;
+        self.counts = 0;
+        self.heard = 0;
+    }
+
+    /// Chooses the number of a new command. `sum` is the checksum that the command has with a number, or `None` when
+    /// it is too long with that.
+    ///
+    /// It is the next one, unless the device could take the command for an older one with the same number and words,
+    /// or the number has too many digits. Then it is one that no recent command has.
+    pub(super) fn choose(&self, sum: impl Fn(u8) -> Option<u16>) -> Option<u8> {
+        let free = |t: u8| sum(t).is_some_and(|sum| !self.recent().any(|old| old.t == t && old.sum == sum));
+        let unused = |t: u8| sum(t).is_some() && !self.recent().any(|old| old.t == t);
+        let behind = |step: u8| self.next.wrapping_add(step);
+        if free(self.next) {
+            return Some(self.next);
+        }
+        (1..=u8::MAX).map(behind).find(|t| unused(*t)).or_else(|| (0..=u8::MAX).map(behind).find(|t| free(*t)))
+    }
+
+    /// A command with this number and checksum is sent for the first time.
+    pub(super) fn sends(&mut self, t: u8, sum: u16) {
+        let place = usize::from(self.place);
+        if let Some(recent) = self.recent.get_mut(place) {
+            *recent = Recent { sum, t, used: 1 };
+        }
+        self.place = if place.wrapping_add(1) < RECENT { self.place.wrapping_add(1) } else { 0 };
+        self.counts = 1;
+        self.advance_behind(t);
+    }
+
+    fn advance_behind(&mut self, t: u8) {
+        let next = t.wrapping_add(1);
+        let ahead = next.wrapping_sub(self.next);
+        if ahead.cast_signed() > 0 {
+            self.advanced = self.advanced.wrapping_add(ahead.into());
+            self.next = next;
+        }
+    }
+
+    fn recent(&self) -> impl Iterator<Item = &Recent> {
+        self.recent.iter().filter(|recent| recent.used != 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Counter;
+
+    #[test]
+    fn counts_both_ends_together() {
+        let mut counter = Counter::new();
+        assert_eq!(counter.saw(0), 0);
+        assert_eq!(counter.saw(0), 0);
+        assert_eq!(counter.choose(|_| Some(7)), Some(0));
+        counter.sends(0, 7);
+        assert_eq!((1..11).map(|t| counter.saw(t)).sum::<u8>(), 0);
+        assert_eq!(counter.choose(|_| Some(7)), Some(11));
+        counter.sends(11, 7);
+        // Crossed the command.
+        assert_eq!((counter.saw(11), counter.next()), (0, 12));
+        assert_eq!((counter.saw(12), counter.saw(16), counter.saw(14)), (0, 3, 0));
+        assert_eq!(counter.next(), 17);
+        counter.restart();
+        assert_eq!((counter.saw(40), counter.saw(41)), (0, 0));
+    }
+
+    #[test]
+    fn no_gap_in_front_of_the_first_number() {
+        let mut counter = Counter::new();
+        counter.sends(0, 1);
+        assert_eq!((counter.saw(57), counter.saw(59)), (0, 1));
+        let mut counter = Counter::new();
+        assert_eq!((counter.saw(250), counter.next(), counter.saw(3), counter.next()), (0, 251, 8, 4));
+    }
+
+    #[test]
+    fn a_number_is_not_used_again_for_the_same_command_while_it_may_be_remembered() {
+        let mut counter = Counter::new();
+        counter.sends(0, 7);
+        for t in 1..=255 {
+            assert_eq!(counter.saw(t), 0);
+        }
+        assert_eq!(counter.choose(|_| Some(8)), Some(0));
+        assert_eq!(counter.choose(|_| Some(7)), Some(1));
+        counter.sends(1, 7);
+        for _ in 0..super::RECENT {
+            counter.sends(200, 9);
+        }
+        counter.restart();
+        assert_eq!(counter.choose(|_| Some(7)), Some(0));
+    }
+
+    #[test]
+    fn a_number_with_few_digits_does_not_turn_the_counter_back() {
+        let mut counter = Counter::new();
+        assert_eq!(counter.saw(119), 0);
+        let short = |sum| move |t| (t < 100).then_some(sum);
+        for sum in 0..300 {
+            // Always one that no recent command has.
+            let t = counter.choose(short(sum)).unwrap();
+            assert!(!counter.recent().any(|recent| recent.t == t));
+            counter.sends(t, sum);
+            assert_eq!(counter.next(), 120);
+        }
+        assert_eq!(counter.choose(|_| None), None);
+    }
+}

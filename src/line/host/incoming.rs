@@ -1,0 +1,248 @@
+//! What a line from the device means.
+
+use super::event::{TELL_ACKED, TELL_ENDED, TELL_ERROR, TELL_LINE, TELL_LINKSETUP, TELL_LOST, TELL_WELCOME};
+use super::health::count;
+use super::{Link, Message, Outcome, Session, Slot};
+use crate::line::Value;
+
+use core::ffi::{c_int, c_uint, c_ulong};
+
+impl Session {
+    /// Draws the conclusions from a line.
+    pub(super) fn understand(&mut self, message: &Message<'_>, now: u32) {
+        count(&mut self.health.lines);
+        let name = message.command();
+        if name.is(b"ack") {
+            self.acked(message);
+            return;
+        }
+        // A refusal is believed directly behind its command's ack alone.
+        let acked = self.acked;
+        self.acked = 0;
+        if name.is(b"onerror") {
+            self.failed(message, acked, now);
+            return;
+        }
+        self.counted(message);
+        if name.is(b"welcome") {
+            self.welcome(message);
+            return;
+        }
+        self.own_setup = 0;
+        let linksetup = Link::of(message);
+        if name.is(b"linksetup")
+            && let Some(told) = linksetup
+        {
+            self.own_setup = 1;
+            self.asked = c_uint::from(told.windowsize.unwrap_or(1));
+            self.link.adopt(told, self.asked);
+            self.tell |= TELL_LINKSETUP;
+            return;
+        }
+        if !self.answered(message) {
+            self.tell |= TELL_LINE;
+        }
+    }
+
+    /// Counts a message that has a number.
+    fn counted(&mut self, message: &Message<'_>) {
+        if let Some(t) = last(message, b"t").and_then(Value::byte) {
+            let lost = self.counter.saw(t);
+            if lost > 0 {
+                self.lost = lost;
+                self.health.lost = self.health.lost.wrapping_add(c_ulong::from(lost));
+                self.tell |= TELL_LOST;
+            }
+        }
+    }
+
+    fn acked(&mut self, message: &Message<'_>) {
+        let heard_at = self.heard_at;
+        self.acked = 0;
+        let t = only(message, b"t").and_then(Value::byte);
+        let id = only(message, b"id");
+        let told = message.get(b"checksum");
+        let sum = told.and_then(Value::hex);
+        // A damaged name is no `null`.
+        let null = told.map_or(self.link.checksum == 0, |told| told.is(b"null"));
+        let found = self.slots.iter_mut().find(|slot| {
+            let right = sum.map_or(null, |sum| sum == slot.sum());
+            slot.is_out() && t == Some(slot.t()) && slot.is_of(id) && right
+        });
+        let Some(slot) = found else {
+            count(&mut self.health.strays);
+            return;
+        };
+        self.acked = slot.handle();
+        if !slot.is_linksetup() {
+            // The device may have been told about acks and checksums by somebody else, or have been told of none.
+            let link = Link { ack: 1, checksum: if sum.is_none() { 0 } else { self.link.checksum }, ..self.link };
+            if !same_setup(&link, &self.link) {
+                self.link = link;
+                self.tell |= TELL_LINKSETUP;
+            }
+        }
+        if slot.acknowledge() {
+            self.concerned = slot.handle();
+            self.tell |= TELL_ACKED;
+            if slot.sent() == 1 {
+                self.health.round_trip(slot.elapsed(heard_at));
+            }
+        }
+    }
+
+    /// Whether the line was the answer to a command.
+    fn answered(&mut self, message: &Message<'_>) -> bool {
+        let heard_at = self.heard_at;
+        let name = message.command();
+        let is_setup = name.is(b"linksetup_resp");
+        let needs_ack = self.link.ack != 0 && !is_setup;
+        // Without acks nothing is promised on a line that does damage, and some devices encode less than they should.
+        let id = if needs_ack { only(message, b"id") } else { message.get(b"id") };
+        let told = if is_setup { Link::of(message) } else { None };
+        let slot = Self::oldest(&mut self.slots, self.order, |slot| {
+            let asked = if is_setup { slot.asks_for() } else { None };
+            // Each thing that was asked for has to be answered legibly.
+            let legible = !is_setup
+                || told.zip(asked).is_some_and(|(told, asked)| {
+                    (told.ack.is_some() || asked.ack.is_none()) && (told.checksum.is_some() || asked.checksum.is_none())
+                });
+            let believed = slot.is_acked() || !needs_ack;
+            slot.is_out() && believed && legible && slot.is_answered_by(name) && slot.is_of(id)
+        });
+        let found = slot.is_some();
+        if let Some(slot) = slot {
+            if slot.sent() == 1 && !slot.is_acked() {
+                self.health.round_trip(slot.elapsed(heard_at));
+            }
+            let handle = slot.handle();
+            self.end(handle, Outcome::Answered);
+        } else if name.bytes().count() > 5 && ends_as_answers_do(name) {
+            count(&mut self.health.strays);
+        }
+        if let Some(told) = told.filter(|told| found || told.ack.is_some() && told.checksum.is_some()) {
+            self.link.adopt(told, self.asked);
+            self.tell |= TELL_LINKSETUP;
+        }
+        found
+    }
+
+    fn failed(&mut self, message: &Message<'_>, acked: c_int, now: u32) {
+        count(&mut self.health.errors);
+        self.tell |= TELL_ERROR;
+        self.concerned = 0;
+        self.own_setup = 0;
+        let code = message.get(b"code").unwrap_or_default();
+        let unknown = code.is(b"unknowncommand") || code.is(b"unknownid");
+        let done = code.is(b"toolong");
+        if unknown || done || code.is(b"refused") {
+            self.refused(message, acked, if done { Outcome::Answered } else { Outcome::Refused });
+        } else {
+            self.counted(message);
+            self.damaged(code.is(b"checksum"), now);
+        }
+    }
+
+    /// The device has read a command, and refuses it or can't answer it.
+    fn refused(&mut self, message: &Message<'_>, acked: c_int, outcome: Outcome) {
+        let (t, id) = (only(message, b"t").and_then(Value::byte), only(message, b"id"));
+        let link = self.link;
+        let found = self.slots.iter_mut().find(|slot| {
+            let directly = slot.handle() == acked || link.ack == 0 || slot.is_linksetup();
+            slot.is_out() && directly && t == Some(slot.t()) && slot.is_of(id)
+        });
+        let Some(slot) = found else {
+            count(&mut self.health.strays);
+            return;
+        };
+        self.concerned = slot.handle();
+        // What was refused may be a damaged repeat of what was carried out.
+        if slot.sent() == 1 || link.checksum != 0 {
+            let handle = slot.handle();
+            self.end(handle, outcome);
+        }
+    }
+
+    /// The device has received something that it can't read, or not all of something. What that was, it can't know:
+    /// probably the oldest command that it has said nothing about.
+    fn damaged(&mut self, by_checksum: bool, now: u32) {
+        let link = self.link;
+        let needed = link.ack != 0;
+        let out = self.slots.iter().filter(|slot| slot.is_out()).count();
+        let Some(slot) = Self::oldest(&mut self.slots, self.order, |slot| {
+            slot.is_out() && !(slot.is_acked() && (needed || slot.is_linksetup()))
+        }) else {
+            return;
+        };
+        self.concerned = slot.handle();
+        if by_checksum && link.checksum == 0 && !slot.is_summed() {
+            self.link.checksum = 1;
+            self.tell |= TELL_LINKSETUP;
+        }
+        if slot.waits() {
+            let handle = slot.handle();
+            let certain = needed || self.settings.recognises != 0 || out == 1;
+            self.repeat_if(handle, certain, now);
+        }
+    }
+
+    fn welcome(&mut self, message: &Message<'_>) {
+        let (listed, restarted) = self.devices.welcome(message);
+        self.list(listed);
+        self.tell |= TELL_WELCOME;
+        if restarted {
+            self.restarted();
+        }
+    }
+
+    /// The device has started anew: it knows nothing of what was before.
+    fn restarted(&mut self) {
+        count(&mut self.health.restarts);
+        self.counter.restart();
+        self.asked = if self.own_setup == 0 { 1 } else { self.asked };
+        for slot in &mut self.slots {
+            // Sending these again may be sending them twice. Setting up a link twice is no harm.
+            if slot.is_out() && !slot.is_linksetup() {
+                slot.end(Outcome::Restarted);
+                self.tell |= TELL_ENDED;
+            }
+        }
+        let link = Link::default();
+        if self.own_setup == 0 && !same_setup(&link, &self.link) {
+            self.link = link;
+            self.tell |= TELL_LINKSETUP;
+        }
+    }
+
+    /// The slot of those that has waited longest.
+    pub(super) fn oldest(slots: &mut [Slot], order: c_uint, is_one: impl Fn(&Slot) -> bool) -> Option<&mut Slot> {
+        slots.iter_mut().filter(|slot| is_one(slot)).max_by_key(|slot| slot.age(order))
+    }
+}
+
+/// The parameter `t` or `id`, if the line is in one piece and there is no second of either: where an end was damaged,
+/// what is said about one command would be taken for what is said about another.
+fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
+    let has_second = |name: &[u8]| message.find(name, 1).is_some();
+    message.get(name).filter(|_| !is_torn(message) && !has_second(b"t") && !has_second(b"id"))
+}
+
+/// Whether there is a `=` in a value: nobody sends it unencoded, but where a separator or an end was damaged it is
+/// there.
+fn is_torn(message: &Message<'_>) -> bool {
+    message.params().any(|param| param.value.raw().iter().any(|byte| *byte == b'='))
+}
+
+/// The last parameter of a name: the link's own are behind the others.
+fn last<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
+    message.params().filter(|param| param.name.iter().eq(name)).last().map(|param| param.value)
+}
+
+fn same_setup(one: &Link, other: &Link) -> bool {
+    (one.ack != 0) == (other.ack != 0) && (one.checksum != 0) == (other.checksum != 0) && one.window() == other.window()
+}
+
+fn ends_as_answers_do(name: Value<'_>) -> bool {
+    let length = name.bytes().count();
+    name.bytes().skip(length.saturating_sub(b"_resp".len())).eq(b"_resp".iter().copied())
+}

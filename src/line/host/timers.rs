@@ -1,0 +1,168 @@
+//! What goes out, and what the time brings about: repeating, giving up.
+
+use core::ffi::{c_int, c_uint};
+
+use super::event::TELL_ENDED;
+use super::health::count;
+use super::{COMMAND_MAX, Outcome, Session, Slot};
+use crate::config::OLP_WINDOW_MAX;
+
+impl Session {
+    /// How long until something is to be done; `None` when nothing is.
+    pub(super) fn next_deadline(&self, now: u32) -> Option<u32> {
+        if self.slots.iter().any(|slot| slot.is_due() || self.may_leave(slot)) {
+            return Some(0);
+        }
+        self.slots.iter().filter_map(|slot| self.patience_left(slot, now)).min()
+    }
+
+    /// Does what is due.
+    pub(super) fn look_at_the_time(&mut self, now: u32) {
+        // Each of them once.
+        for _ in 0..OLP_WINDOW_MAX {
+            let Some(slot) = self.slots.iter().find(|slot| self.patience_left(slot, now) == Some(0)) else { break };
+            let handle = slot.handle();
+            count(&mut self.health.timeouts);
+            // Without acks, a device may have carried it out and not recognise it.
+            let safe = self.link.ack != 0 || self.settings.recognises != 0 || slot.is_linksetup();
+            if !(safe && self.is_repeatable(slot, now)) {
+                self.give_up(handle);
+            } else if let Some(slot) = self.slot(handle) {
+                slot.send_again();
+                count(&mut self.health.repeats);
+            }
+        }
+    }
+
+    /// Repeats a command at once, as the device asks for, when it may be repeated.
+    pub(super) fn repeat_if(&mut self, handle: c_int, certain: bool, now: u32) {
+        let found = self.slots.iter().find(|slot| slot.is_out() && slot.handle() == handle);
+        let may = found.is_some_and(|slot| (certain || slot.is_linksetup()) && self.is_repeatable(slot, now));
+        if let Some(slot) = self.slot(handle).filter(|_| may) {
+            slot.send_again();
+            count(&mut self.health.repeats);
+        }
+    }
+
+    fn is_repeatable(&self, slot: &Slot, now: u32) -> bool {
+        let recent = slot.is_recent(now, self.settings.repeat(), self.counter.advanced());
+        slot.sent() <= self.settings.repeats() && (recent || slot.is_linksetup())
+    }
+
+    /// The command that is out and has that handle.
+    fn slot(&mut self, handle: c_int) -> Option<&mut Slot> {
+        self.slots.iter_mut().find(|slot| slot.is_out() && slot.handle() == handle)
+    }
+
+    fn patience_left(&self, slot: &Slot, now: u32) -> Option<u32> {
+        let waits_for_ack = self.link.ack != 0 && !slot.is_acked() && !slot.is_linksetup();
+        let span = if waits_for_ack { self.settings.timeout() } else { self.settings.answer() };
+        slot.waits().then(|| slot.left(now, span))
+    }
+
+    fn give_up(&mut self, handle: c_int) {
+        let Some(slot) = self.slot(handle) else { return };
+        let setup = if slot.is_linksetup() { slot.asks_for() } else { None };
+        let acked = slot.is_acked();
+        self.end(handle, Outcome::TimedOut);
+        if let Some(mut setup) = setup {
+            // What is in force is not known, and what the device remembers is as little as its window.
+            setup.windowsize = None;
+            if acked {
+                self.link.adopt(setup, 1);
+            }
+            self.link.windowsize = 1;
+        }
+    }
+
+    /// Whether a queued command's turn has come.
+    fn may_leave(&self, slot: &Slot) -> bool {
+        // Those before it.
+        slot.is_queued()
+            && self.slots.iter().all(|other| {
+                let ahead = other.age(self.order) > slot.age(self.order);
+                let bars = other.is_queued()
+                    || other.is_linksetup()
+                    || slot.is_linksetup()
+                    || self.behind(other, slot) >= self.link.window();
+                !(ahead && other.is_going_on() && bars)
+            })
+    }
+
+    /// How many commands may be carried out behind the one that was sent, when the new one is sent too: those sent
+    /// after it, and older ones that may have to be repeated, or were.
+    fn behind(&self, slot: &Slot, new: &Slot) -> c_uint {
+        let is_older = |other: &&Slot| other.is_out() && other.age(self.order) > slot.age(self.order);
+        let older = self.slots.iter().filter(is_older).count();
+        let older = c_uint::try_from(older).unwrap_or(c_uint::MAX);
+        slot.age(new.order()).saturating_add(slot.overtaken()).saturating_add(older)
+    }
+
+    /// Ends a command that was sent.
+    pub(super) fn end(&mut self, handle: c_int, outcome: Outcome) {
+        let (order, newest) = (self.order, self.lines);
+        let Some(slot) = self.slot(handle) else { return };
+        slot.end(outcome);
+        let (age, (first, last)) = (slot.age(order), slot.lines());
+        self.tell |= TELL_ENDED;
+        if first == last {
+            return;
+        }
+        for newer in self.slots.iter_mut().filter(|newer| newer.is_out() && newer.age(order) < age) {
+            newer.see_end(last, newest);
+        }
+    }
+
+    /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none.
+    pub(super) fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
+        let checksum = self.link.checksum != 0;
+        // Each command once, until there is one to send.
+        for _ in 0..OLP_WINDOW_MAX {
+            let Some(handle) = self.next_to_send() else { break };
+            let counter = &self.counter;
+            let Some(slot) = self.slots.iter_mut().find(|slot| slot.is_going_on() && slot.handle() == handle) else {
+                break;
+            };
+            let first = slot.is_queued();
+            let chosen = if first { counter.choose(|t| slot.sum_with(t, checksum)) } else { None };
+            if first && chosen.is_none() {
+                slot.end(Outcome::TooLong);
+                self.tell |= TELL_ENDED;
+                continue;
+            }
+            // A host that starts, or a device that does, has to find out about checksums.
+            let flip = !first && slot.is_linksetup() && slot.sent() % 2 == 1 && slot.fits(!checksum);
+            let checksum = checksum != flip;
+            let Some(length) = slot.write(chosen.unwrap_or(slot.t()), checksum, line) else {
+                slot.stay(now);
+                continue;
+            };
+            if length > room {
+                break;
+            }
+            if let Some(t) = chosen {
+                let sum = slot.sum_with(t, checksum).unwrap_or_default();
+                self.counter.sends(t, sum);
+                slot.leaves(t, sum, self.counter.advanced(), now);
+                if slot.is_linksetup()
+                    && let Some(windowsize) = slot.asks_for().and_then(|asked| asked.windowsize)
+                {
+                    self.asked = windowsize.into();
+                }
+            }
+            self.lines = self.lines.wrapping_add(1);
+            slot.put_out(checksum, self.lines, now);
+            return length;
+        }
+        0
+    }
+
+    /// The handle of the command that is to be sent next: repeats first.
+    fn next_to_send(&self) -> Option<c_int> {
+        let order = self.order;
+        let oldest =
+            |slots: &mut dyn Iterator<Item = &Slot>| slots.max_by_key(|slot| slot.age(order)).map(Slot::handle);
+        oldest(&mut self.slots.iter().filter(|slot| slot.is_due()))
+            .or_else(|| oldest(&mut self.slots.iter().filter(|slot| self.may_leave(slot))))
+    }
+}

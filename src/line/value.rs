@@ -1,0 +1,300 @@
+//! Values: urlencoded text (page "Ozeki Line Protocol", section "Rules"), which may tell a number.
+//!
+//! `%` and two hexadecimal digits of either case stand for any byte, a `+` for a space, other bytes for themselves.
+//! Numbers are decimal and may have spaces around them, as programs write them that fill up columns.
+
+use core::ffi::c_long;
+
+use crate::decimal;
+
+/// A value as received.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Value<'a>(&'a [u8]);
+
+/// The room is too small; nothing was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooLong;
+
+/// Why a value can't be read as a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberError {
+    /// It is none.
+    Malformed,
+    /// It is one that the type does not have.
+    Range,
+}
+
+impl<'a> Value<'a> {
+    /// A value, as it stands in a line.
+    #[must_use]
+    pub const fn new(raw: &'a [u8]) -> Self {
+        Self(raw)
+    }
+
+    /// The value as it stands in the line, encoded.
+    #[must_use]
+    pub const fn raw(self) -> &'a [u8] {
+        self.0
+    }
+
+    /// Whether it is no text at all.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The decoded text. It may be any bytes, 0 among them, though the protocol means UTF-8.
+    #[must_use]
+    pub const fn bytes(self) -> Decoded<'a> {
+        Decoded { rest: self.0 }
+    }
+
+    /// Number of bytes of the decoded text.
+    #[must_use]
+    pub fn len(self) -> usize {
+        self.bytes().count()
+    }
+
+    /// Whether that is the decoded text.
+    #[must_use]
+    pub fn is(self, text: &[u8]) -> bool {
+        let mut text = text.iter();
+        self.bytes().all(|byte| text.next() == Some(&byte)) && text.next().is_none()
+    }
+
+    /// Writes the decoded text to the beginning of `out` and tells its length.
+    ///
+    /// # Errors
+    ///
+    /// When it does not fit: then nothing is written.
+    pub fn decode(self, out: &mut [u8]) -> Result<usize, TooLong> {
+        let length = self.len();
+        let room = out.get_mut(..length).ok_or(TooLong)?;
+        for (place, byte) in room.iter_mut().zip(self.bytes()) {
+            *place = byte;
+        }
+        Ok(length)
+    }
+
+    /// Reads an integer: an optional sign and digits.
+    ///
+    /// # Errors
+    ///
+    /// When it is none, or beyond what C's `long` holds.
+    pub fn int(self) -> Result<c_long, NumberError> {
+        const SHORTEST: c_long = c_long::MIN / 10;
+        let (negative, digits) = signed(self.bytes());
+        // Counted downwards: that goes one further.
+        let (mut sum, mut count, mut beyond) = (0 as c_long, 0_usize, false);
+        let mut rest = digits;
+        let mut ahead = rest.clone();
+        while let Some(digit @ b'0'..=b'9') = ahead.next() {
+            rest = ahead.clone();
+            count = count.wrapping_add(1);
+            let next = sum.wrapping_mul(10).checked_sub(c_long::from(digit.wrapping_sub(b'0')));
+            match next {
+                Some(next) if sum >= SHORTEST => sum = next,
+                _ => beyond = true,
+            }
+        }
+        if count == 0 || !only_spaces(rest) {
+            return Err(NumberError::Malformed);
+        }
+        let number = if negative { Some(sum) } else { sum.checked_neg() };
+        number.filter(|_| !beyond).ok_or(NumberError::Range)
+    }
+
+    /// Reads an integer of 0 to 255, such as `t`.
+    #[must_use]
+    pub fn byte(self) -> Option<u8> {
+        self.int().ok().and_then(|number| u8::try_from(number).ok())
+    }
+
+    /// Reads an integer of 0 to 65535, such as a window size.
+    #[must_use]
+    pub fn word(self) -> Option<u16> {
+        self.int().ok().and_then(|number| u16::try_from(number).ok())
+    }
+
+    /// Reads four hexadecimal digits of either case: a checksum.
+    #[must_use]
+    pub fn hex(self) -> Option<u16> {
+        hex(self.0)
+    }
+
+    /// Reads a decimal number, such as `-1000.00` or `1e3`, as the nearest `f32`; a tie goes to the even one.
+    ///
+    /// # Errors
+    ///
+    /// When it is none (infinities and NaNs have no decimal digits), or so large that an infinity would be nearest.
+    pub fn float(self) -> Result<f32, NumberError> {
+        let (negative, digits) = signed(self.bytes());
+        let (bits, rest) = decimal::read_float(digits).ok_or(NumberError::Malformed)?;
+        if !only_spaces(rest) {
+            return Err(NumberError::Malformed);
+        }
+        let bits = bits.ok_or(NumberError::Range)?;
+        Ok(f32::from_bits(bits | u32::from(negative) << 31))
+    }
+}
+
+/// The bytes of a value, decoded.
+#[derive(Clone, Debug)]
+pub struct Decoded<'a> {
+    rest: &'a [u8],
+}
+
+impl Iterator for Decoded<'_> {
+    type Item = u8;
+
+    #[inline]
+    fn next(&mut self) -> Option<u8> {
+        let (first, mut rest) = self.rest.split_first()?;
+        let mut byte = *first;
+        if byte == b'+' {
+            byte = b' ';
+        } else if byte == b'%'
+            && let [high, low, behind @ ..] = rest
+            && let (Some(high), Some(low)) = (digit(*high), digit(*low))
+        {
+            byte = high << 4 | low;
+            rest = behind;
+        }
+        self.rest = rest;
+        Some(byte)
+    }
+}
+
+/// Spaces and a sign are passed over; whether that is a minus.
+fn signed(mut text: Decoded<'_>) -> (bool, Decoded<'_>) {
+    loop {
+        let at = text.clone();
+        match text.next() {
+            Some(b' ') => (),
+            Some(b'-') => return (true, text),
+            Some(b'+') => return (false, text),
+            _ => return (false, at),
+        }
+    }
+}
+
+fn only_spaces(mut text: Decoded<'_>) -> bool {
+    text.all(|byte| byte == b' ')
+}
+
+/// What four hexadecimal digits tell.
+pub(super) fn hex(digits: &[u8]) -> Option<u16> {
+    let &[a, b, c, d] = digits else { return None };
+    Some(u16::from_be_bytes([digit(a)? << 4 | digit(b)?, digit(c)? << 4 | digit(d)?]))
+}
+
+/// The value of a hexadecimal digit.
+const fn digit(byte: u8) -> Option<u8> {
+    match byte {
+        b'0'..=b'9' => Some(byte.wrapping_sub(b'0')),
+        b'a'..=b'f' => Some(byte.wrapping_sub(b'a').wrapping_add(10)),
+        b'A'..=b'F' => Some(byte.wrapping_sub(b'A').wrapping_add(10)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NumberError, TooLong, Value};
+    use core::ffi::c_long;
+    use std::vec::Vec;
+
+    fn value(raw: &str) -> Value<'_> {
+        Value::new(raw.as_bytes())
+    }
+
+    #[test]
+    fn text() {
+        for (raw, decoded) in [
+            ("", &b""[..]),
+            ("a+b%20c", b"a b c"),
+            ("%00%fF%Ff", b"\0\xFF\xFF"),
+            ("%2B+", b"+ "),
+            // None of a line that was parsed: they stand for themselves.
+            ("%", b"%"),
+            ("%4", b"%4"),
+            ("%4g%41", b"%4gA"),
+        ] {
+            let value = value(raw);
+            assert_eq!(value.bytes().collect::<Vec<_>>(), decoded, "{raw}");
+            assert_eq!(value.len(), decoded.len());
+            assert!(value.is(decoded));
+            assert!(!value.is(&[decoded, b"x"].concat()));
+            assert!(decoded.is_empty() || !value.is(&decoded[1..]) && !value.is(&decoded[..decoded.len() - 1]));
+            let mut out = [0x55; 8];
+            assert_eq!(value.decode(&mut out), Ok(decoded.len()));
+            assert_eq!(&out[..decoded.len()], decoded);
+            assert!(out[decoded.len()..].iter().all(|byte| *byte == 0x55));
+            if let Some(short) = decoded.len().checked_sub(1) {
+                let mut out = [0x55; 8];
+                assert_eq!(value.decode(&mut out[..short]), Err(TooLong));
+                assert_eq!(out, [0x55; 8]);
+            }
+        }
+    }
+
+    #[test]
+    fn integers() {
+        for number in [0, 1, -1, 10, 12345, c_long::MAX, c_long::MIN, c_long::MAX / 10, c_long::MIN / 10] {
+            for text in [std::format!("{number}"), std::format!("  {number} "), std::format!("{number:030}")] {
+                assert_eq!(value(&text).int(), Ok(number), "{text}");
+            }
+        }
+        for (raw, number) in [("+5", 5), ("%2B5", 5), ("%2D5+", -5), ("+-1", -1), ("-0", 0), ("%31", 1)] {
+            assert_eq!(value(raw).int(), Ok(number), "{raw}");
+        }
+        for raw in ["", " ", "-", "--1", "1.0", "1x", "x1", "1 1", "- 1", "0x10", "1%00", "99999999999999999999x"] {
+            assert_eq!(value(raw).int(), Err(NumberError::Malformed), "{raw}");
+        }
+        let beyond = |number: i128| assert_eq!(value(&std::format!("{number}")).int(), Err(NumberError::Range));
+        for beyond_by in 1..12 {
+            beyond(i128::from(c_long::MAX) + beyond_by);
+            beyond(i128::from(c_long::MIN) - beyond_by);
+        }
+        beyond(i128::MAX);
+        beyond(i128::MIN);
+        beyond(i128::from(c_long::MAX) * 10);
+        beyond(i128::from(c_long::MIN) * 10);
+    }
+
+    #[test]
+    fn small_integers() {
+        assert_eq!(["0", "255", "256", "-1", "x"].map(|raw| value(raw).byte()), [Some(0), Some(255), None, None, None]);
+        assert_eq!(["0", "65535", "65536", "-1"].map(|raw| value(raw).word()), [Some(0), Some(65535), None, None]);
+        assert_eq!(
+            ["d293", "D29f", "d29", "0d293", "null", ""].map(|raw| value(raw).hex()),
+            [Some(0xd293), Some(0xd29f), None, None, None, None]
+        );
+    }
+
+    #[test]
+    fn floats() {
+        for (raw, number) in [
+            ("110.44", 110.44),
+            ("-1000.00", -1000.0),
+            ("  3.50", 3.5),
+            ("+1.5+", 1.5),
+            ("1e%2B3", 1000.0),
+            ("1e+3", 1000.0),
+            ("-0.0", -0.0),
+            ("1e-50", 0.0),
+            ("-1e-50", -0.0),
+            (".5", 0.5),
+            ("5.", 5.0),
+        ] {
+            assert_eq!(value(raw).float().map(f32::to_bits), Ok(f32::to_bits(number)), "{raw}");
+        }
+        for raw in ["", ".", "-", "nan", "inf", "1e", "1e+", "1.5x", "1.5.", "1,5", "- 1", "0x1p3", "1e99x"] {
+            assert_eq!(value(raw).float(), Err(NumberError::Malformed), "{raw}");
+        }
+        for raw in ["1e39", "-1e39", "340282356779733661637539395458142568448"] {
+            assert_eq!(value(raw).float(), Err(NumberError::Range), "{raw}");
+        }
+        assert_eq!(value("340282356779733661637539395458142568447").float(), Ok(f32::MAX));
+    }
+}
