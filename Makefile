@@ -199,7 +199,7 @@ figures: lib firmware-all ## measures everything again and writes docs/figures.m
 fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
 	$(Q)for fuzzed in $(basename $(notdir $(wildcard fuzz/fuzz_targets/*.rs))); do \
 	    mkdir -p target/fuzz/corpus/$$fuzzed && RUSTC_BOOTSTRAP=1 $(CARGO) fuzz run --target-dir target/fuzz $$fuzzed \
-	        target/fuzz/corpus/$$fuzzed -- -max_total_time=$(FUZZ_SECONDS) -max_len=1024 \
+	        target/fuzz/corpus/$$fuzzed -- -max_total_time=$(FUZZ_SECONDS) -max_len=1024 -timeout=10 \
 	        -verbosity=0 -print_final_stats=1 || exit; \
 	done
 	@echo "fuzz: nothing found"

@@ -1,7 +1,8 @@
 /*
  * Both ends of the GX protocol over a line that loses, flips, delays and splits bytes, in simulated time: seeded runs,
- * each of which is one line quality, one pair of settings, a user's random moves, and in some runs a machine that stops, a
- * host that is started anew, or a motion side that is switched off and on: one that takes moves in order only.
+ * each of which is one line quality, one pair of settings, a user's random moves, and in some runs a machine that
+ * stops, a host that is started anew, or a motion side that is switched off and on: one that takes moves in order only.
+ * To those that take moves from any host, there may have been another one before.
  *
  * What has to hold in each run, however much is lost:
  *   - the motion side takes each move at most once, in the order of the requests, to the positions that were requested;
@@ -10,8 +11,8 @@
  *   - when all have finished, the machine is where the host believes it to be.
  *
  * There are no checksums, so damage can make another command or notice of one, and nothing holds for what follows. That
- * is known here: both ends' bytes are read once more beside them, and what was read is compared with what was sent. A run in
- * which something was forged is counted, and what went wrong in it reported, but it proves nothing either way.
+ * is known here: both ends' bytes are read once more beside them, and what was read is compared with what was sent. A
+ * run in which something was forged is counted, and what went wrong in it reported, but it proves nothing either way.
  *
  * Usage: gx_channel [RUNS [FIRST_SEED]]
  */
@@ -605,6 +606,24 @@ static void host_runs(void)
     }
 }
 
+/* What another host, which numbers as it pleases, was told and has not fetched: the numbers that this one begins with. */
+static void leave_notices(void)
+{
+    int i;
+    for (i = 0; i < 2; ++i) {
+        unsigned char out[GX_ENCODED_MAX];
+        struct gx_number number;
+        int size;
+        number.value = (uint16_t)((host_settings.first_number + i * 5461) & GX_NUMBER_MAX);
+        number.format = host_settings.ascii ? GX_ASCII : GX_BINARY;
+        size = gx_write_completed(&number, out, sizeof out);
+        if (CHECK(size > 0) && below(3) != 0) {
+            motion_sent(out, size);
+            transmit(&up, out, size);
+        }
+    }
+}
+
 static void choose(unsigned long run)
 {
     static const Quality QUALITIES[] = {
@@ -651,6 +670,8 @@ static void choose(unsigned long run)
     memset(&motion, 0x5A, sizeof motion);
     CHECK_INT(gx_motion_init(&motion, &motion_settings), GX_RC_SUCCESS);
     begin_host();
+    if (!motion_settings.only_in_order && below(4) == 0)
+        leave_notices();
 }
 
 static void earlier(unsigned long *next, long deadline)

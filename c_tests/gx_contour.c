@@ -1,6 +1,6 @@
 /*
- * Paths as commands: whatever the path, decoding gives it back, and no command could be shorter. And what a circle of short
- * moves costs.
+ * Paths as commands: whatever the path, decoding gives it back, and no command could be shorter. And what a circle of
+ * short moves costs.
  */
 #include "libdeltarobot/gx.h"
 

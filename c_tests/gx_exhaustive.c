@@ -1,9 +1,10 @@
 /*
- * Every input of one to four bytes, to both receivers, against the reference: the same items, byte by byte, and the same
- * when the line falls silent behind them.
+ * Every input of one to four bytes, to both receivers, against the reference: the same items, byte by byte, and the
+ * same when the line falls silent behind them.
  *
- * Four bytes are 2^32 inputs. Both decoders are functions of what they keep and the next byte, so two inputs that leave the
- * pair of them with the same contents can't differ in what follows: each such state is gone on from once, by all 256 bytes.
+ * Four bytes are 2^32 inputs. Both decoders are functions of what they keep and the next byte, so two inputs that leave
+ * the pair of them with the same contents can't differ in what follows: each such state is gone on from once, by all
+ * 256 bytes.
  *
  * Usage: gx_exhaustive [DEPTH]
  */

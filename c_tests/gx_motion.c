@@ -264,7 +264,7 @@ static void nothing_else_begins_a_session(void)
     FEED("#1R0\n#1R0\n");
     SAYS("#1\n#1\n");
     FEED("#546\n");
-    SAYS("#546?3\n");
+    SAYS("#546?5\n");
     CHECK_INT(FEED("#5462R0\n"), GX_MOTION_BEGUN);
     SAYS("#1\n#5462\n");
     CHECK_INT(FEED("#5462R0\n"), GX_MOTION_BEGUN);
@@ -366,7 +366,7 @@ static void a_stop_drops_everything(void)
     SAYS("#3?17\n#4?17\n\n?18\n");
     CHECK_INT(FEED("#3R0\n"), GX_MOTION_BEGUN);
     CHECK_INT(FEED("#4 \x2A\x81\x81"), GX_MOTION_REFUSED); /* where it stands is not known */
-    SAYS("#3\n#4?8\n");
+    SAYS("#3\n#4?\x88");
     CHECK_INT(FEED("#4 x3\n"), GX_MOTION_QUEUED);
     CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
     SAYS("#4?20\n");

@@ -1,7 +1,7 @@
 /*
- * A second decoder of the GX protocol, as plain as can be: it keeps the bytes of what is not complete yet, and with each
- * further byte reads all of them again from the first, by the grammar. Nothing of it is taken from the library, so that
- * where the two agree, the grammar was followed.
+ * A second decoder of the GX protocol, as plain as can be: it keeps the bytes of what is not complete yet, and with
+ * each further byte reads all of them again from the first, by the grammar. Nothing of it is taken from the library, so
+ * that where the two agree, the grammar was followed.
  */
 #ifndef GX_REFERENCE_H
 #define GX_REFERENCE_H

@@ -96,8 +96,8 @@ static int arrived(Line *line, unsigned char *out, int cap)
 }
 
 /*
- * Whether the frame of that was sent, and lately enough to be understood only now: behind the beginning of a false frame,
- * it is found when the line was quiet for a while.
+ * Whether the frame of that was sent, and lately enough to be understood only now: behind the beginning of a false
+ * frame, it is found when the line was quiet for a while.
  */
 static int was_sent(const Line *line, int opcode, const void *payload, int size)
 {

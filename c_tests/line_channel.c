@@ -262,9 +262,9 @@ static int run_long(const struct olp_message *message, struct olp_encoder *answe
 }
 
 static const struct olp_device_info DEVICES[] = {
-    {"dev0", "OzekiIDManager", 1, NULL, "1.0.0"},
-    {"dev1", "OzekiSwitchController", 2, "Fan", "1.0.0"},
-    {"dev2", "OzekiTemperatureController", 3, "Heater", "1.0.0"},
+    {"dev0", "IDManager", 1, NULL, "1.0.0"},
+    {"dev1", "Switch", 2, "Fan", "1.0.0"},
+    {"dev2", "Heater", 3, "Heater", "1.0.0"},
 };
 static const struct olp_command COMMANDS_KNOWN[] = {
     {NULL, "set", run_set},   {NULL, "add", run_set},   {NULL, "toggle", run_toggle},

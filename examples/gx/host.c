@@ -1,7 +1,7 @@
 /*
- * host DEVICE: a host program that draws with the machine of motion.c: a circle of short moves, long ones, and then what
- * can go wrong. Prints each command and notice in words, and checks that everything ends as it should. Exit status 0 if it
- * did, 1 if not, 2 when there is no line.
+ * host DEVICE: a host program that draws with the machine of motion.c: a circle of short moves, long ones, and then
+ * what can go wrong. Prints each command and notice in words, and checks that everything ends as it should. Exit status
+ * 0 if it did, 1 if not, 2 when there is no line.
  */
 #define _XOPEN_SOURCE 700
 #include "libdeltarobot/gx_host.h"

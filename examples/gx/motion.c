@@ -1,9 +1,9 @@
 /*
- * motion [AXES]: a machine of 3 to 6 axes (by default 4) behind a serial line, whose other end is this program's standard
- * input and output. Firmware looks like this too, but for the part at the end.
+ * motion [AXES]: a machine of 3 to 6 axes (by default 4) behind a serial line, whose other end is this program's
+ * standard input and output. Firmware looks like this too, but for the part at the end.
  *
- * It moves all axes of a vector in step, at the velocity along the vector. The first axis has an end stop at either side,
- * where the machine stops. It ends, with status 0, when nobody has the line open any more.
+ * It moves all axes of a vector in step, at the velocity along the vector. The first axis has an end stop at either
+ * side, where the machine stops. It ends, with status 0, when nobody has the line open any more.
  */
 #define _XOPEN_SOURCE 700
 #include "libdeltarobot/gx_motion.h"

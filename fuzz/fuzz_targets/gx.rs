@@ -1,5 +1,5 @@
-//! The GX protocol's codec: any bytes, in any pieces, mean the same; what was read can be written and read again; what is
-//! written is read as it was meant; paths come back.
+//! The GX protocol's codec: any bytes, in any pieces, mean the same; what was read can be written and read again; what
+//! is written is read as it was meant; paths come back.
 #![no_main]
 
 use std::ffi::c_int;

@@ -1,6 +1,6 @@
-//! Both ends of the GX protocol's link: any calls in any order at any time, whatever the line makes of what is sent, and
-//! with anything in the structs. While a session is as it was made, each move ends once and in time; over a line that
-//! forges nothing, as finished only if it was carried out.
+//! Both ends of the GX protocol's link: any calls in any order at any time, whatever the line makes of what is sent,
+//! and with anything in the structs. While a session is as it was made, each move ends once and in time; over a line
+//! that forges nothing, as finished only if it was carried out.
 #![no_main]
 
 use std::collections::VecDeque;
@@ -40,7 +40,7 @@ struct World {
     sound: [bool; 2],
     /// Whether the host gives up in the end.
     gives_up: bool,
-    /// Whether nothing came that the other end has not sent, and numbers mean what they do to a host.
+    /// Whether nothing came that the other end has not sent, and no session was forgotten unseen.
     honest: bool,
 }
 
@@ -335,10 +335,10 @@ impl World {
         let settings = MotionSettings {
             gap_ms: c_ulong::from(input.byte()),
             axes: input.int(),
-            any_number: c_int::from(input.byte() % 4 == 0),
-            only_numbered: c_int::from(input.byte() % 2),
+            only_in_order: c_int::from(input.byte() % 2),
         };
-        self.honest &= settings.any_number == 0;
+        // Or else it takes what comes next as from any host.
+        self.honest &= variant != 0 && settings.only_in_order != 0;
         let settings = if variant == 0 { null() } else { &raw const settings };
         assert_eq!(unsafe { gx_motion_init(self.motion.ptr(), settings) }, 0);
         self.fetched = 0;

@@ -1,6 +1,6 @@
 //! Both ends of the line protocol's link: any calls in any order at any time, whatever the line makes of what is sent,
-//! whatever the device's functions do, and with anything in the structs. While a session is as it was made, each command
-//! ends once and in time.
+//! whatever the device's functions do, and with anything in the structs. While a session is as it was made, each
+//! command ends once and in time.
 #![no_main]
 
 use std::collections::{BTreeMap, VecDeque};

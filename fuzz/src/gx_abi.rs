@@ -77,8 +77,7 @@ pub struct HostEvent {
 pub struct MotionSettings {
     pub gap_ms: c_ulong,
     pub axes: c_int,
-    pub any_number: c_int,
-    pub only_numbered: c_int,
+    pub only_in_order: c_int,
 }
 
 #[repr(C)]

@@ -157,8 +157,8 @@ extern "C" {
 #define GX_FAULT_UNKNOWN 1
 
 /**
- * The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it and
- * is delivered, without a number.
+ * The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it
+ * and is delivered, without a number.
  */
 #define GX_FAULT_NUMBER 2
 
@@ -203,12 +203,12 @@ extern "C" {
 #define GX_FAULT_ORDER 16
 
 /**
- * A number, and no session has begun in which numbers count.
+ * A session is over, or none has begun and moves are taken in sessions only.
  */
 #define GX_FAULT_CLOSED 17
 
 /**
- * No number, in a session where numbers count.
+ * A move without a number where numbers are in order.
  */
 #define GX_FAULT_NUMBERLESS 18
 

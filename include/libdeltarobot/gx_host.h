@@ -41,8 +41,9 @@
  * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
  * sends them back none begins: moves end as timed out, and are not sent.
  *
- * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a move
- * is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
+ * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a
+ * move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
+ * not.
  *
  * What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
  * or reset. Moves are reported as lost then. Without that setting, one that has begun anew takes what comes from any
@@ -148,8 +149,8 @@ struct gx_host_settings {
    */
   unsigned long gap_ms;
   /**
-   * How often something is sent without any answer before the session is given up; by default 8. Below 0: without
-   * end.
+   * How often something is sent without any answer, or a session is asked for that the motion side does not keep,
+   * before it is given up; by default 8. Below 0: without end.
    */
   int attempts;
   /**
@@ -319,6 +320,10 @@ struct gx_host {
    * How often something was sent since the last answer.
    */
   unsigned char unanswered;
+  /**
+   * How often in a row the second of the requests that begin a session was answered, and the first not again.
+   */
+  unsigned char doubts;
 };
 
 /**

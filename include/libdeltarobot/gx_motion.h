@@ -89,8 +89,8 @@ extern "C" {
 #define GX_MOTION_BEGUN 4
 
 /**
- * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is sent
- * back, and not told here.)
+ * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
+ * sent back, and not told here.)
  */
 #define GX_MOTION_REPORTING 5
 

@@ -51,8 +51,8 @@ pub const GX_POSITION: c_int = 7;
 
 /// No command begins like that.
 pub const GX_FAULT_UNKNOWN: c_int = 1;
-/// The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it and
-/// is delivered, without a number.
+/// The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it
+/// and is delivered, without a number.
 pub const GX_FAULT_NUMBER: c_int = 2;
 /// Another began before this was complete, or the line fell silent.
 pub const GX_FAULT_INTERRUPTED: c_int = 3;
@@ -70,9 +70,9 @@ pub const GX_FAULT_LIMIT: c_int = 8;
 pub const GX_FAULT_BUSY: c_int = 9;
 /// The number is not the next of its session.
 pub const GX_FAULT_ORDER: c_int = 16;
-/// A number, and no session has begun in which numbers count.
+/// A session is over, or none has begun and moves are taken in sessions only.
 pub const GX_FAULT_CLOSED: c_int = 17;
-/// No number, in a session where numbers count.
+/// A move without a number where numbers are in order.
 pub const GX_FAULT_NUMBERLESS: c_int = 18;
 /// The machine does not have that axis.
 pub const GX_FAULT_AXIS: c_int = 19;

@@ -81,7 +81,7 @@ const _: () = {
     assert!(offset_of!(Event, code) == 2 * INT && offset_of!(Event, number) == 3 * INT);
     assert!(offset_of!(Event, position) == 4 * INT && size_of::<Event>() == up(4 * INT + VECTOR, align_of::<c_int>()));
     if INT == 4 && LONG == 8 {
-        assert!(size_of::<Host>() == up(48 + 72 + size_of::<Window>() + VECTOR + 40, LONG) + up(6 * LONG + 14, LONG));
+        assert!(size_of::<Host>() == up(48 + 72 + size_of::<Window>() + VECTOR + 40, LONG) + up(6 * LONG + 15, LONG));
     }
 };
 

@@ -22,8 +22,8 @@ pub const GX_MOTION_REPEATED: c_int = 2;
 pub const GX_MOTION_REFUSED: c_int = 3;
 /// Event: a host has begun a session; its request for position reports holds too.
 pub const GX_MOTION_BEGUN: c_int = 4;
-/// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is sent
-/// back, and not told here.)
+/// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
+/// sent back, and not told here.)
 pub const GX_MOTION_REPORTING: c_int = 5;
 
 /// Something that happened.
@@ -200,7 +200,8 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
 }
 sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut Event) -> c_int);
 
-/// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done.
+/// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only sets
+/// the velocity is no move: it takes effect, and ends, in its turn.
 ///
 /// move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
 /// all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,

@@ -121,7 +121,8 @@ impl Vector {
             Message::Step(vector) => (*vector, true),
             _ => return Ok(()),
         };
-        // All of it or nothing: first a look, then the steps. (A copy of the axes would be a call of memcpy on some targets.)
+        // All of it or nothing: first a look, then the steps. (A copy of the axes would be a call of memcpy on some
+        // targets.)
         for axis in 0..AXES {
             self.reached(axis, vector, is_step)?;
         }

@@ -124,7 +124,8 @@ impl Shape {
     }
 }
 
-/// Writes a command to report the position each so many milliseconds, 0 to 16383; 0: never. Returns its length in bytes.
+/// Writes a command to report the position each so many milliseconds, 0 to 16383; 0: never. Returns its length in
+/// bytes.
 ///
 /// # Errors
 ///
@@ -166,8 +167,8 @@ pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeE
     out.length()
 }
 
-/// Writes the notice that a command, with this number if it had one, was not carried out; the format is the command's, the
-/// code 0 to 127. Returns its length in bytes.
+/// Writes the notice that a command, with this number if it had one, was not carried out; the format is the command's,
+/// the code 0 to 127. Returns its length in bytes.
 ///
 /// Without a number it begins with a line end: behind a packed number of the notice before, it would be about
 /// that command.

@@ -29,19 +29,18 @@
 //!
 //! # What can be relied on
 //!
-//! All this takes a motion side that keeps the numbers in order, as [`Motion`](super::motion::Motion) does. With one that
-//! only sends them back no session begins, and the moves time out, unsent.
+//! All this takes a motion side that keeps the numbers in order, as [`Motion`](super::motion::Motion) does. With one
+//! that only sends them back no session begins, and the moves time out, unsent.
 //!
-//! Whatever the line loses, delays or splits, and when the machine stops or this session is begun anew on the same line:
-//! a move that is reported as finished was carried out once, after those before it, and one that was refused or dropped
-//! was not. There are two exceptions:
+//! Whatever the line loses, delays or splits, and when the machine stops or this session is begun anew on the same
+//! line: a move that is reported as finished was carried out once, after those before it, and one that was refused or
+//! dropped was not. There are two exceptions:
 //!
 //! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
 //!   [`only_in_order`](super::motion::MotionSettings::only_in_order); the moves are reported as lost. By default it
 //!   takes moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
-//! - Notices and commands that are forged. There are no checksums: where bits flip, or
-//! a mask, an ASCII digit or several bytes in a row are lost, another number or position may come of it, which nobody can
-//! tell from a true one.
+//! - Notices and commands that are forged. There are no checksums: where bits flip, or a mask, an ASCII digit or
+//!   several bytes in a row are lost, another number or position may come of it, which nobody can tell from a true one.
 
 mod event;
 mod health;
@@ -102,6 +101,8 @@ pub struct Host {
     cursor: c_uchar,
     /// How often something was sent since the last answer.
     unanswered: c_uchar,
+    /// How often in a row the second of the requests that begin a session was answered, and the first not again.
+    doubts: c_uchar,
 }
 
 /// There is no room for another move: ends have to be fetched first.
@@ -135,8 +136,6 @@ const IS_USED: c_uchar = 16;
 const IS_WARY: c_uchar = 32;
 /// The number of the first of the requests that begin a session came, and no other since, after the second was sent.
 const IS_ECHOED: c_uchar = 64;
-/// The second was answered, and the first not again: whether numbers are kept in order is not known.
-const IS_IN_DOUBT: c_uchar = 128;
 
 const BUSY: u8 = Fault::Busy as u8;
 const LIMIT: u8 = Fault::Limit as u8;
@@ -168,6 +167,7 @@ impl Host {
             is: 0,
             cursor: 0,
             unanswered: 0,
+            doubts: 0,
         }
     }
 
@@ -302,18 +302,15 @@ impl Host {
         match self.stage {
             FIRST if number == self.opening => {
                 self.stage = SECOND;
-                if self.is & IS_IN_DOUBT == 0 {
-                    self.unanswered = 0;
-                }
                 self.open_with(number.wrapping_add(STRIDE));
             }
             SECOND if number == self.opening.wrapping_sub(STRIDE) & NUMBER_MAX => self.is |= IS_ECHOED,
             SECOND if number == self.opening && self.is & IS_ECHOED == 0 => {
-                self.is |= IS_IN_DOUBT;
-                if self.gives_up() {
-                    self.never_begins();
-                } else {
+                self.doubts = self.doubts.saturating_add(1);
+                if self.settings.allows(self.doubts) {
                     self.begin();
+                } else {
+                    self.never_begins();
                 }
             }
             SECOND if number == self.opening => {
@@ -394,6 +391,7 @@ impl Host {
 
     fn open_with(&mut self, number: u16) {
         self.opening = number & NUMBER_MAX;
+        self.unanswered = 0;
         self.is &= !IS_ECHOED;
         self.send |= SEND_OPENING;
     }
@@ -408,8 +406,8 @@ impl Host {
     }
 }
 
-/// Whether a packed byte stands directly behind a number: then an error notice has lost its `?`, and says anything but that
-/// the move was carried out.
+/// Whether a packed byte stands directly behind a number: then an error notice has lost its `?`, and says anything but
+/// that the move was carried out.
 fn is_torn(read: &[u8], unread: &[u8]) -> bool {
     !matches!(read, [.., b'\r' | b'\n']) && unread.first().is_some_and(|byte| *byte >= 0x80)
 }

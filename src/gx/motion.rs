@@ -41,8 +41,9 @@
 //! # What can't be relied on
 //!
 //! Commands have no checksum. A flipped bit in a number, mask, velocity or position makes another command, which is
-//! carried out if its number is the next. A lost byte is noticed in binary, unless it is the mask: then the next byte is
-//! taken for that. Of several lost in a row, the rests of two commands may make one. In ASCII a lost digit is never noticed.
+//! carried out if its number is the next. A lost byte is noticed in binary, unless it is the mask: then the next byte
+//! is taken for that. Of several lost in a row, the rests of two commands may make one. In ASCII a lost digit is never
+//! noticed.
 
 mod event;
 mod health;

@@ -46,8 +46,8 @@ impl CommandReceiver {
         if taken == 0 { self.scanner.scan::<false>(bytes, item) } else { taken }
     }
 
-    /// To be called when the line has been quiet for longer than a command takes: what is incomplete is given up, and told
-    /// as malformed.
+    /// To be called when the line has been quiet for longer than a command takes: what is incomplete is given up, and
+    /// told as malformed.
     pub fn idle(&mut self, item: &mut Item) {
         self.scanner.idle::<false>(item);
     }
@@ -67,8 +67,8 @@ impl NoticeReceiver {
 
     /// Takes bytes up to the end of a notice, and tells how many: see [`CommandReceiver::receive`].
     ///
-    /// A packed number is a whole notice, but may be the beginning of an error notice too: it is told when the next byte
-    /// has come, or the line is [`idle`](Self::idle).
+    /// A packed number is a whole notice, but may be the beginning of an error notice too: it is told when the next
+    /// byte has come, or the line is [`idle`](Self::idle).
     #[inline]
     pub fn receive(&mut self, bytes: &[u8], item: &mut Item) -> usize {
         self.scanner.scan::<true>(bytes, item)

@@ -3,16 +3,16 @@
 //! The proposal fixes the binary forms. What it leaves open is decided here:
 //!
 //! - Space, CR and LF outside a command mean nothing. ESC forgets what has come, without a word.
-//! - A byte without the high bit where a packed one is due ends the command, as malformed; the byte is looked at again, as it
-//!   may be the first of the next. `!`, `*`, `#` and `~` (of notices: `#`, `=` and `?`) do the same in the middle of
-//!   anything: they stand nowhere else.
+//! - A byte without the high bit where a packed one is due ends the command, as malformed; the byte is looked at again,
+//!   as it may be the first of the next. `!`, `*`, `#` and `~` (of notices: `#`, `=` and `?`) do the same in the middle
+//!   of anything: they stand nowhere else.
 //! - Malformed ASCII is told at the byte that is wrong, and skipped up to the end of the line. Behind malformed binary
 //!   (or stray packed bytes), packed bytes are skipped.
-//! - A broken number is told as malformed at the byte that breaks it, and the rest of the line skipped with it. `!`, `*` and
-//!   the others that stand nowhere else clear it as they clear anything, so what begins there is delivered, without a
-//!   number.
-//! - ASCII: words in any order, spaces between them; a sign before the digits of an axis; any number of leading zeros, and
-//!   so lines of any length, as nothing of them is kept.
+//! - A broken number is told as malformed at the byte that breaks it, and the rest of the line skipped with it. `!`,
+//!   `*` and the others that stand nowhere else clear it as they clear anything, so what begins there is delivered,
+//!   without a number.
+//! - ASCII: words in any order, spaces between them; a sign before the digits of an axis; any number of leading zeros,
+//!   and so lines of any length, as nothing of them is kept.
 
 use core::ffi::{c_int, c_uchar};
 

@@ -1,5 +1,5 @@
-//! The short way for hosts: the binary commands that most streams consist of, moves of x and y and short ones of all axes,
-//! where they lie whole in what was received. No step for each byte, and none for each axis.
+//! The short way for hosts: the binary commands that most streams consist of, moves of x and y and short ones of all
+//! axes, where they lie whole in what was received. No step for each byte, and none for each axis.
 //!
 //! All else is left to the [`Scanner`](super::Scanner), which defines what bytes mean.
 
@@ -11,7 +11,8 @@ use super::packed::{FOUR_HIGH, HIGH, signed, unpack28};
 const HIGHS: u64 = 0x8080_8080_8080_8080;
 const NONE: NumberField = NumberField { value: 0, format: 0 };
 
-/// Reads a vector of x and y, or deltas of all axes, if `bytes` begin with that. Tells the length of the command, else 0.
+/// Reads a vector of x and y, or deltas of all axes, if `bytes` begin with that. Tells the length of the command, else
+/// 0.
 #[inline(always)]
 pub(super) fn read_frequent(bytes: &[u8], item: &mut Item) -> usize {
     let Some(first) = bytes.first_chunk() else { return 0 };

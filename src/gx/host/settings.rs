@@ -18,8 +18,8 @@ pub struct HostSettings {
     pub move_ms: c_ulong,
     /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
     pub gap_ms: c_ulong,
-    /// How often something is sent without any answer before the session is given up; by default 8. Below 0: without
-    /// end.
+    /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
+    /// before it is given up; by default 8. Below 0: without end.
     pub attempts: c_int,
     /// Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
     /// side queues are refused by it, and sent again.
@@ -53,8 +53,14 @@ impl HostSettings {
         span(self.gap_ms, 50)
     }
 
+    /// Whether something may be tried again that was tried so often.
+    pub(super) fn allows(&self, attempts: u8) -> bool {
+        let most = self.attempts();
+        most == 0 || attempts < most
+    }
+
     /// 0: no limit.
-    pub(super) fn attempts(&self) -> u8 {
+    fn attempts(&self) -> u8 {
         match u8::try_from(self.attempts) {
             Ok(0) => 8,
             Ok(attempts) => attempts,

@@ -4,8 +4,7 @@ use core::ffi::c_ulong;
 
 use super::health::count;
 use super::{DRAINING, FIRST, Host, IDLE, OPEN, Outcome, SECOND, STRIDE};
-use super::{IS_BACK, IS_BUSY, IS_HELD, IS_IN_DOUBT, IS_REPORTING, IS_USED, IS_WARY};
-use super::{SEND_OPENING, SEND_PROBE, SEND_REPORTING};
+use super::{IS_BACK, IS_BUSY, IS_HELD, IS_REPORTING, IS_USED, IS_WARY, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::{left, stamp};
 
 impl Host {
@@ -30,8 +29,7 @@ impl Host {
                 FIRST | SECOND => self.ask_again(now),
                 OPEN | DRAINING => self.look_after(now),
                 _ => {
-                    self.unanswered = 0;
-                    self.is &= !IS_IN_DOUBT;
+                    self.doubts = 0;
                     self.begin();
                 }
             }
@@ -143,10 +141,9 @@ impl Host {
     }
 
     /// Something has no answer: counts that, and tells whether it was asked for often enough.
-    pub(super) fn gives_up(&mut self) -> bool {
+    fn gives_up(&mut self) -> bool {
         count(&mut self.health.timeouts);
-        let attempts = self.settings.attempts();
         self.unanswered = self.unanswered.saturating_add(1);
-        attempts != 0 && self.unanswered >= attempts
+        !self.settings.allows(self.unanswered)
     }
 }

@@ -122,8 +122,8 @@ impl Order {
         self.refusing = 0;
     }
 
-    /// A command is refused: whether its host needs to be told. Of those that follow a refused one in a session, it does
-    /// not: none of them can be taken. Unless it has gone back already, and this one is out of order again.
+    /// A command is refused: whether its host needs to be told. Of those that follow a refused one in a session, it
+    /// does not: none of them can be taken. Unless it has gone back already, and this one is out of order again.
     pub(super) const fn refuses(&mut self, number: u16) -> bool {
         let tells = self.refusing == 0 || self.stage != OPEN || self.ahead(number) <= self.ahead(self.refused);
         self.refusing = 1;

@@ -8,8 +8,8 @@ use super::super::packed::{FOUR_HIGH, HIGH, push, signed, unpack28};
 use super::{IDLE, MASK, NUMBER, NUMBER_PACKED, NUMBERED, Scanner, Step, VALUE};
 
 impl Scanner {
-    /// Takes what `bytes` begin with of a binary command, up to its end or a byte that is for [`step`](Self::step). Tells
-    /// what that leaves, and the kind of what is complete, or 0.
+    /// Takes what `bytes` begin with of a binary command, up to its end or a byte that is for [`step`](Self::step).
+    /// Tells what that leaves, and the kind of what is complete, or 0.
     #[inline(always)]
     pub(super) fn quick<'a, const HOST: bool>(&mut self, bytes: &'a [u8]) -> (&'a [u8], c_int) {
         let (mut rest, mut state) = (bytes, self.state);

@@ -230,7 +230,7 @@ fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
 /// Whether there is a `=` in a value: nobody sends it unencoded, but where a separator or an end was damaged it is
 /// there.
 fn is_torn(message: &Message<'_>) -> bool {
-    message.params().any(|param| param.value.raw().iter().any(|byte| *byte == b'='))
+    message.params().any(|param| param.value.raw().iter().any(|byte| matches!(byte, b'=')))
 }
 
 /// The last parameter of a name: the link's own are behind the others.

@@ -81,7 +81,7 @@ pub(super) fn reason(code: u8) -> String {
         8 => "leads too far, or from an unknown position",
         9 => "no room",
         motion::ORDER => "not the next number",
-        motion::CLOSED => "numbers do not count yet",
+        motion::CLOSED => "no session",
         motion::NUMBERLESS => "without a number",
         motion::AXIS => "no such axis",
         motion::STOPPED => "stopped",
