@@ -469,14 +469,8 @@ pub unsafe extern "C" fn olp_host_device(host: *const Host, index: c_int, device
         // SAFETY: both have this size, and no padding: see above.
         unsafe { to.add(place).write(from.add(place).read()) };
     }
-    // Callers read these as strings, also where the session's memory was overwritten.
     // SAFETY: as the contract of this function asks; all of it was written just now.
-    let texts = unsafe { [&mut (*device).id[..], &mut (*device).r#type, &mut (*device).name, &mut (*device).version] };
-    for text in texts {
-        if let Some(last) = text.last_mut() {
-            *last = 0;
-        }
-    }
+    unsafe { (*device).end_texts() };
     OLP_RC_SUCCESS
 }
 sized_alias!(olp: olp_host_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);

@@ -50,6 +50,15 @@ impl Device {
             cut: 0,
         }
     }
+
+    /// Has its texts end, also where the session's memory was overwritten.
+    pub(crate) fn end_texts(&mut self) {
+        for text in [&mut self.id[..], &mut self.r#type, &mut self.name, &mut self.version] {
+            if let Some(last) = text.last_mut() {
+                *last = 0;
+            }
+        }
+    }
 }
 
 /// The devices of a session. Its fields are private.
