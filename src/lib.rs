@@ -42,6 +42,7 @@ extern crate std;
 
 mod clock;
 pub mod config;
+mod counter;
 mod decimal;
 pub mod deltarobot;
 pub mod ffi;

@@ -7,7 +7,7 @@ DP_BUFSIZE ?= 128
 # Longest payload of a frame in bytes, 1 to 255.
 DP_DATA_MAX_SIZE ?= 32
 
-# Longest line that a line receiver takes, in bytes without its end: 63, a command, or more; a host needs 80.
+# Longest line that is received, in bytes without its end: 63, a command, or more; a host needs 80.
 OLP_LINE_MAX ?= 255
 # Most commands unanswered at a time: the host keeps them to repeat them, a device keeps its answers.
 OLP_WINDOW_MAX ?= 8

@@ -56,7 +56,7 @@
 #if defined(OLP_DEVICES_MAX) && (OLP_DEVICES_MAX) != 16
 #error "libdeltarobot was built with OLP_DEVICES_MAX=16: build it again with the size that this program defines"
 #endif
-/** Longest line that a line receiver takes, in bytes without its end: 63, a command, or more; a host needs 80. By default 255. */
+/** Longest line that is received, in bytes without its end: 63, a command, or more; a host needs 80. By default 255. */
 #ifndef OLP_LINE_MAX
 #define OLP_LINE_MAX 255
 #endif

@@ -59,6 +59,7 @@ use core::ffi::{c_int, c_uchar, c_ulong};
 use core::mem::MaybeUninit;
 
 use crate::clock::stamp;
+use crate::counter::count;
 pub use event::{Event, Outcome};
 use event::{TELL_CANCEL_ENDED, TELL_ENDED, TELL_MESSAGE, TELL_STATUS_ENDED};
 pub use health::Health;
@@ -259,7 +260,7 @@ impl Host {
             }
             match &Message::parse(opcode, &head, length, layout) {
                 Some(message) => self.understand(message, now),
-                None => health::count(&mut self.health.malformed),
+                None => count(&mut self.health.malformed),
             }
         }
     }

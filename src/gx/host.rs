@@ -54,10 +54,10 @@ use core::ffi::{c_uchar, c_ulong, c_ushort};
 use super::motion::{AXIS, CLOSED, CODE_FREE, STOPPED, STRIDE, copy};
 use super::{Fault, Item, Message, NUMBER_MAX, NoticeReceiver, Vector};
 use crate::clock::stamp;
+use crate::counter::count;
 pub use event::{HostEvent, Outcome};
 use event::{TELL_BEGUN, TELL_ERROR, TELL_REPORT};
 pub use health::HostHealth;
-use health::count;
 pub use settings::HostSettings;
 pub use window::{Requested, Window};
 

@@ -60,9 +60,9 @@ use super::{
     write_completed, write_position, write_refused,
 };
 use crate::clock::{left, stamp};
+use crate::counter::count;
 pub use event::{MotionEvent, Untold};
 pub use health::MotionHealth;
-use health::count;
 pub use notices::{Notice, Notices};
 pub use order::Order;
 pub(super) use order::STRIDE;

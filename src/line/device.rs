@@ -35,6 +35,7 @@ use super::encoder::{EncodeError, Encoder};
 use super::message::{Checksum, Message};
 use crate::clock::span;
 use crate::config::OLP_REPLY_MAX;
+use crate::counter::count;
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
@@ -294,10 +295,6 @@ fn end(line: &mut Encoder, t: Option<u8>, id: &[u8]) -> usize {
         line.text(b"id", id);
     }
     line.finish(false).unwrap_or(0)
-}
-
-fn count(counter: &mut c_ulong) {
-    *counter = counter.wrapping_add(1);
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use core::ffi::c_ulong;
 
+use crate::counter::RoundTrips;
+
 /// Counters of a host session since it began; they wrap.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
@@ -56,30 +58,13 @@ impl Health {
     }
 
     pub(super) fn round_trip(&mut self, time: u32) {
-        let time = c_ulong::from(time);
-        self.rtt_last = time;
-        self.rtt_min = if self.rtt_count == 0 { time } else { self.rtt_min.min(time) };
-        self.rtt_max = self.rtt_max.max(time);
-        self.rtt_sum = self.rtt_sum.wrapping_add(time);
-        count(&mut self.rtt_count);
-    }
-}
-
-pub(super) fn count(counter: &mut c_ulong) {
-    *counter = counter.wrapping_add(1);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Health;
-
-    #[test]
-    fn round_trips() {
-        let mut health = Health::new();
-        for time in [7, 3, 11] {
-            health.round_trip(time);
+        RoundTrips {
+            count: &mut self.rtt_count,
+            last: &mut self.rtt_last,
+            min: &mut self.rtt_min,
+            max: &mut self.rtt_max,
+            sum: &mut self.rtt_sum,
         }
-        assert_eq!((health.rtt_count, health.rtt_last, health.rtt_min), (3, 11, 3));
-        assert_eq!((health.rtt_max, health.rtt_sum), (11, 21));
+        .add(time);
     }
 }

@@ -3,9 +3,10 @@
 use core::ffi::{c_uchar, c_ulong};
 use core::mem::MaybeUninit;
 
-use super::health::{Health, count};
+use super::health::Health;
 use crate::clock::{left, stamp};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use crate::counter::count;
 use crate::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Message, Opcode, PAYLOAD_MAX, Ring};
 
 /// The receiving side of a host session. Its fields are private.

@@ -3,10 +3,10 @@
 use core::ffi::c_int;
 
 use super::event::{TELL_ACCEPTED, TELL_ERROR, TELL_STATE, TELL_STATUS};
-use super::health::count;
 use super::request::{ACCEPTED, DOUBTED, SENT};
 use super::{Host, Outcome, SEND_STATUS};
 use crate::clock::{left, stamp};
+use crate::counter::count;
 use crate::deltarobot::{Message, Opcode, Position, Report, State};
 
 /// Homing or moving was reported since the operation was accepted.

@@ -1,10 +1,10 @@
 //! What the time brings about: sending, repeating, polling, giving up.
 
-use super::health::count;
 use super::operation::{CANCELLED, ERRED, EVIDENT};
 use super::request::{ACCEPTED, DOUBTED, QUEUED, SENT};
 use super::{Host, Outcome, SEND_CANCEL, SEND_OPERATION, SEND_STATUS};
 use crate::clock::{left, stamp};
+use crate::counter::count;
 
 impl Host {
     /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;

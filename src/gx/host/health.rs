@@ -43,7 +43,3 @@ impl HostHealth {
         }
     }
 }
-
-pub(super) fn count(counter: &mut c_ulong) {
-    *counter = counter.wrapping_add(1);
-}

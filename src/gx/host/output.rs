@@ -1,8 +1,8 @@
 //! What goes out: commands, one at a time.
 
-use super::health::count;
 use super::{DRAINING, FIRST, Host, IS_HELD, OPEN, SECOND, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
+use crate::counter::count;
 use crate::gx::motion::fitting;
 use crate::gx::{ENCODED_MAX, EncodeError, Format, Number, Vector, write_move, write_reporting, write_shortest};
 

@@ -2,10 +2,10 @@
 
 use core::ffi::c_ulong;
 
-use super::health::count;
 use super::{DRAINING, FIRST, Host, IDLE, OPEN, Outcome, SECOND, STRIDE};
 use super::{IS_BACK, IS_BUSY, IS_HELD, IS_REPORTING, IS_USED, IS_WARY, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::{left, stamp};
+use crate::counter::count;
 
 impl Host {
     /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;

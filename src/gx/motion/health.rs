@@ -25,7 +25,3 @@ impl MotionHealth {
         Self { moves: 0, repeats: 0, refused: 0, malformed: 0, reports: 0 }
     }
 }
-
-pub(super) fn count(counter: &mut c_ulong) {
-    *counter = counter.wrapping_add(1);
-}

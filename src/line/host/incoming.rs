@@ -1,8 +1,8 @@
 //! What a line from the device means.
 
 use super::event::{TELL_ACKED, TELL_ENDED, TELL_ERROR, TELL_LINE, TELL_LINKSETUP, TELL_LOST, TELL_WELCOME};
-use super::health::count;
 use super::{Link, Message, Outcome, Session, Slot};
+use crate::counter::count;
 use crate::line::Value;
 
 use core::ffi::{c_int, c_uint, c_ulong};

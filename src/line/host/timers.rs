@@ -3,9 +3,9 @@
 use core::ffi::{c_int, c_uint};
 
 use super::event::TELL_ENDED;
-use super::health::count;
 use super::{COMMAND_MAX, Outcome, Session, Slot};
 use crate::config::OLP_WINDOW_MAX;
+use crate::counter::count;
 
 impl Session {
     /// How long until something is to be done; `None` when nothing is.
