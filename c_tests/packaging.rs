@@ -133,10 +133,8 @@ fn files(dir: &Path) -> BTreeSet<String> {
 /// What `make install` shall put below the prefix.
 fn installed(libdir: &str, includedir: &str) -> BTreeSet<String> {
     let major = VERSION.split('.').next().unwrap();
-    let mut expected: BTreeSet<_> = files(&root().join("include/libdeltarobot"))
-        .iter()
-        .map(|header| format!("{includedir}/libdeltarobot/{header}"))
-        .collect();
+    let mut expected: BTreeSet<_> =
+        files(&root().join("include")).iter().map(|header| format!("{includedir}/{header}")).collect();
     expected.extend([
         format!("{libdir}/libdeltarobot.a"),
         format!("{libdir}/libdeltarobot.so"),
@@ -152,10 +150,11 @@ fn installed(libdir: &str, includedir: &str) -> BTreeSet<String> {
 #[test]
 fn artifacts_export_what_they_should_and_need_nothing() {
     let sandbox = Sandbox::new("artifacts");
+    const LARGE: [&str; 4] = ["OLP_LINE_MAX=1000", "OLP_WINDOW_MAX=64", "OLP_REPLY_MAX=255", "GX_QUEUE_MAX=255"];
     // One after the other in the same directory: nothing of the sizes before may be left.
-    for [bufsize, data_max] in [["128", "32"], ["512", "255"], ["6", "1"], ["128", "32"]] {
+    for (bufsize, data_max, others) in [(128, 32, &[][..]), (512, 255, &LARGE), (6, 1, &[]), (128, 32, &[])] {
         let sizes = [format!("DP_BUFSIZE={bufsize}"), format!("DP_DATA_MAX_SIZE={data_max}")];
-        success(&sandbox.make(&["check-artifact", &sizes[0], &sizes[1]]));
+        success(&sandbox.make(&[&["check-artifact", &sizes[0], &sizes[1]], others].concat()));
         let header = fs::read_to_string(out().join("include/libdeltarobot/protocol.h")).unwrap();
         assert!(header.contains(&format!("#define DP_BUFSIZE {bufsize}\n")), "the header is not for {bufsize}");
     }

@@ -1,17 +1,18 @@
-//! Drop-in replacement for the C library that speaks the deltarobot message format.
+//! Three serial protocols of motion control, for either end of the line, with a C ABI: a drop-in replacement for the C
+//! library that speaks the deltarobot message format, the Ozeki line protocol, and GX binary vectors.
 //!
 //! Three rings, each of which knows only the one inside it:
 //!
-//! 1. [`deltarobot`]: the protocol, in safe Rust that knows no C.
-//! 2. [`ffi`]: the C ABI. Converts pointers, calls the core, returns its answer. The headers in
-//!    `include/libdeltarobot/` are generated from it.
-//! 3. the artifact: what turns the crate into `libdeltarobot.a` and `.so`, a panic handler that the
-//!    linker finds unreachable.
+//! 1. the core: [`deltarobot`], [`mod@line`] and [`gx`], the protocols in safe Rust that knows no C.
+//! 2. [`ffi`]: the C ABI. Converts pointers, calls the core, returns its answer. The headers in `include/` are
+//!    generated from it.
+//! 3. the artifact: what turns the crate into `libdeltarobot.a` and `.so`, a panic handler that the linker finds
+//!    unreachable.
 //!
-//! Nothing allocates, nothing blocks, nothing keeps state of its own: every byte lives in structs of
-//! the caller's, so the library takes no RAM and two threads may use two rings at once.
+//! Nothing allocates, nothing blocks (but for the serial port), nothing keeps state of its own: every byte lives in
+//! structs of the caller's, so the library takes no RAM and two threads may use two objects at once.
 //!
-//! The sizes of ring and payload are fixed when the library is built: see [`config`].
+//! Some sizes are fixed when the library is built: see [`config`].
 //!
 //! ```
 //! use deltarobot::deltarobot::{Opcode, Ring};

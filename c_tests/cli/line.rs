@@ -113,6 +113,15 @@ mod monitor {
     }
 
     #[test]
+    fn text_from_the_wire_does_not_control_the_terminal() {
+        let path = recording("line-control.txt", &[('<', "c=welcome&name=%1B[2J&id=a\x1Bc"), ('<', "c=\x1B%&x")]);
+        let said = printed(&["monitor", "--protocol", "line", &path], FINISHED);
+        assert!(!said.contains('\x1B') && said.contains("name=\\u{1b}[2J  id=a\\u{1b}c"), "{said:?}");
+        let said = printed(&["monitor", "--protocol", "line", "--json", &path], FINISHED);
+        assert!(!said.contains('\x1B'), "{said:?}");
+    }
+
+    #[test]
     fn standard_input_in_portions() {
         let mut child = deltarobot(&["monitor", "-", "--protocol", "line", "--from", "controller"])
             .stdin(Stdio::piped())
