@@ -149,8 +149,8 @@ fn installed(libdir: &str, includedir: &str) -> BTreeSet<String> {
 
 #[test]
 fn artifacts_export_what_they_should_and_need_nothing() {
-    let sandbox = Sandbox::new("artifacts");
     const LARGE: [&str; 4] = ["OLP_LINE_MAX=1000", "OLP_WINDOW_MAX=64", "OLP_REPLY_MAX=255", "GX_QUEUE_MAX=255"];
+    let sandbox = Sandbox::new("artifacts");
     // One after the other in the same directory: nothing of the sizes before may be left.
     for (bufsize, data_max, others) in [(128, 32, &[][..]), (512, 255, &LARGE), (6, 1, &[]), (128, 32, &[])] {
         let sizes = [format!("DP_BUFSIZE={bufsize}"), format!("DP_DATA_MAX_SIZE={data_max}")];
