@@ -17,6 +17,7 @@ struct uart {
 extern struct uart uart;
 int uart_read(struct uart *uart, void *buf, int cap);
 int uart_write(struct uart *uart, const void *buf, int bytes);
+int is_over(void);
 int uart_send(void *buf, int bytes, void *usr);
 void wait_readable(struct uart *uart, long timeout_ms);
 

@@ -228,14 +228,14 @@ static void sample_conversation(int chunk)
     CHECK_INT(answers, 3);
     CHECK_INT(infos, 5 + 12);
     if (OLP_DEVICES_MAX >= 8) {
-        CHECK_INT(olp_host_device(&host, 5, &known), OLP_RC_SUCCESS);
+        CHECK_INT(olp_host_get_device(&host, 5, &known), OLP_RC_SUCCESS);
         CHECK(!strcmp(known.id, "M1F910") && !strcmp(known.type, "OzekiTemperatureController"));
         CHECK(!strcmp(known.name, "HeaterExt1") && !strcmp(known.version, "1.0.0"));
         CHECK_INT(known.pos, 6);
-        CHECK_INT(olp_host_device(&host, 7, &known), OLP_RC_SUCCESS);
+        CHECK_INT(olp_host_get_device(&host, 7, &known), OLP_RC_SUCCESS);
         CHECK(!strcmp(known.id, "OZPDSC") && !strcmp(known.name, "") && known.pos == 0 && known.cut == 0);
     }
-    CHECK_INT(olp_host_device(&host, OLP_DEVICES_MAX < 8 ? OLP_DEVICES_MAX : 8, &known), OLP_RC_NOT_FOUND);
+    CHECK_INT(olp_host_get_device(&host, OLP_DEVICES_MAX < 8 ? OLP_DEVICES_MAX : 8, &known), OLP_RC_NOT_FOUND);
     CHECK_INT(olp_host_get_health(&host)->lost, 0);
     CHECK_INT(olp_host_get_health(&host)->strays, 0);
     CHECK_INT(olp_host_get_health(&host)->lines, 28);
@@ -790,7 +790,7 @@ static void the_table(void)
         CHECK_INT(event.device, i);
         CHECK_INT(event.error, OLP_RC_SUCCESS);
         sprintf(line, "Heater %d", i);
-        CHECK_INT(olp_host_device(&host, i, &device), OLP_RC_SUCCESS);
+        CHECK_INT(olp_host_get_device(&host, i, &device), OLP_RC_SUCCESS);
         CHECK(!strcmp(device.name, line));
         CHECK_INT(device.pos, i);
     }
@@ -812,7 +812,7 @@ static void the_table(void)
     CHECK(tells(OLP_HOST_WELCOME));
     CHECK_INT(event.device, 0);
     CHECK_INT(event.error, OLP_RC_TOO_LONG);
-    CHECK_INT(olp_host_device(&host, 0, &device), OLP_RC_SUCCESS);
+    CHECK_INT(olp_host_get_device(&host, 0, &device), OLP_RC_SUCCESS);
     CHECK(!strcmp(device.id, "0123456789abcde") && !strcmp(device.version, "0123456789abcde") && device.cut);
 }
 
@@ -908,10 +908,10 @@ static void null_pointers_and_sizes(void)
     CHECK_INT(olp_host_next_deadline(NULL, 0), -1);
     CHECK_INT(olp_host_get_link(NULL, &link), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_host_get_link(&host, NULL), OLP_RC_ERROR_GENERIC);
-    CHECK_INT(olp_host_device(NULL, 0, &device), OLP_RC_ERROR_GENERIC);
-    CHECK_INT(olp_host_device(&host, 0, NULL), OLP_RC_ERROR_GENERIC);
-    CHECK_INT(olp_host_device(&host, -1, &device), OLP_RC_NOT_FOUND);
-    CHECK_INT(olp_host_device(&host, INT_MAX, &device), OLP_RC_NOT_FOUND);
+    CHECK_INT(olp_host_get_device(NULL, 0, &device), OLP_RC_ERROR_GENERIC);
+    CHECK_INT(olp_host_get_device(&host, 0, NULL), OLP_RC_ERROR_GENERIC);
+    CHECK_INT(olp_host_get_device(&host, -1, &device), OLP_RC_NOT_FOUND);
+    CHECK_INT(olp_host_get_device(&host, INT_MAX, &device), OLP_RC_NOT_FOUND);
     CHECK(olp_host_get_health(NULL) == NULL);
     CHECK_BYTES(&host, &before, sizeof host);
 }

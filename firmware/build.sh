@@ -27,7 +27,7 @@ case $target in
         prefixes="riscv32-unknown-elf- riscv-none-elf- riscv64-unknown-elf-" package=gcc-riscv64-unknown-elf
         emulation="-m elf32lriscv" ;;
     avr-none) prefixes=avr- package="gcc-avr avr-libc" ;;
-    *) fail "not a target that this script knows: see firmware/firmware.mk" ;;
+    *) fail "not one of thumb*-none-eabi(hf), riscv32*-unknown-none-elf, avr-none; firmware/firmware.mk lists those that are tested" ;;
 esac
 prefix=${FIRMWARE_PREFIX-}
 for candidate in $prefixes; do

@@ -106,7 +106,7 @@ static void handle(const struct olp_host_event *event)
 
     switch (event->kind) {
     case OLP_HOST_WELCOME:
-        if (olp_host_device(&session, event->device, &device) != OLP_RC_SUCCESS)
+        if (olp_host_get_device(&session, event->device, &device) != OLP_RC_SUCCESS)
             break;
         ++seen.devices;
         if (strcmp(device.type, "OzekiTemperatureController") == 0)

@@ -397,9 +397,9 @@ impl World {
             assert_eq!(olp_host_get_link(self.host.ptr(), &raw mut link), 0);
             assert!(!olp_host_get_health(self.host.ptr()).is_null());
             assert!(!olp_device_get_health(self.device.ptr()).is_null());
-            assert_eq!(olp_host_device(self.host.ptr(), -1, &raw mut *known), 11);
-            assert_eq!(olp_host_device(self.host.ptr(), OLP_DEVICES_MAX as c_int, &raw mut *known), 11);
-            if olp_host_device(self.host.ptr(), 0, &raw mut *known) == 0 {
+            assert_eq!(olp_host_get_device(self.host.ptr(), -1, &raw mut *known), 11);
+            assert_eq!(olp_host_get_device(self.host.ptr(), OLP_DEVICES_MAX as c_int, &raw mut *known), 11);
+            if olp_host_get_device(self.host.ptr(), 0, &raw mut *known) == 0 {
                 for text in [&known.id[..], &known.kind, &known.name, &known.version] {
                     assert!(text.contains(&0) || !self.sound);
                 }

@@ -175,7 +175,7 @@ unsafe extern "C" {
     pub fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int;
     pub fn olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long;
     pub fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int;
-    pub fn olp_host_device(host: *const Host, index: c_int, device: *mut HostDevice) -> c_int;
+    pub fn olp_host_get_device(host: *const Host, index: c_int, device: *mut HostDevice) -> c_int;
     pub fn olp_host_get_health(host: *const Host) -> *const c_ulong;
 
     pub fn olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int;

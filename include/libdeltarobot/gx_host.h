@@ -29,6 +29,8 @@
  *         go_on();
  *     while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
  *         uart_write(&uart, out, length);
+ *     if (is_over())
+ *         break;
  *     if (taken == got) {
  *         wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  *         taken = 0;

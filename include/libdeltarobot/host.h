@@ -27,6 +27,8 @@
  *         handle_event(&event);
  *     if ((length = dp_host_output(&host, out, sizeof out, now_ms())) > 0)
  *         uart_write(&uart, out, length);
+ *     if (is_over())
+ *         break;
  *     if (taken == got) {
  *         wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
  *         taken = 0;

@@ -326,8 +326,8 @@ struct olp_device {
  * array has to be.
  *
  * ```c
- * static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, NULL, NULL}};
- * static const struct olp_command commands[] = {{NULL, "setswitch", set_switch}};
+ * static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
+ * static const struct olp_command commands[] = {{0, "setswitch", set_switch}};
  * static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
  * olp_device_init(&device, &table, &uart);
  * ```

@@ -27,6 +27,8 @@
  *         handle_event(&event);
  *     while ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
  *         uart_write(&uart, out, length);
+ *     if (is_over())
+ *         break;
  *     if (taken == got) {
  *         wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
  *         taken = 0;
@@ -39,7 +41,9 @@
  * handle_event() calls, of the first OLP_HOST_WELCOME,
  *
  * ```c
- * olp_host_setup(&host, "sf6z34", 1, 1, -1);
+ * struct olp_host_device device;
+ * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+ *     olp_host_setup(&host, device.id, 1, 1, -1);
  * ```
  *
  * and when that has ended as OLP_HOST_ANSWERED
@@ -76,7 +80,7 @@
 #define olp_host_output olp_host_output_255_8_128_16
 #define olp_host_next_deadline olp_host_next_deadline_255_8_128_16
 #define olp_host_get_link olp_host_get_link_255_8_128_16
-#define olp_host_device olp_host_device_255_8_128_16
+#define olp_host_get_device olp_host_get_device_255_8_128_16
 #define olp_host_get_health olp_host_get_health_255_8_128_16
 #endif
 
@@ -750,7 +754,7 @@ OLP_SIZED("olp_host_get_link");
  *
  * ```c
  * struct olp_host_device device;
- * for (int i = 0; olp_host_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
+ * for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
  *     printf("%s: %s\n", device.id, device.type);
  * ```
  *
@@ -758,10 +762,10 @@ OLP_SIZED("olp_host_get_link");
  *
  * As for `olp_host_poll`.
  */
-int olp_host_device(const struct olp_host *host,
-                    int index,
-                    struct olp_host_device *device)
-OLP_SIZED("olp_host_device");
+int olp_host_get_device(const struct olp_host *host,
+                        int index,
+                        struct olp_host_device *device)
+OLP_SIZED("olp_host_get_device");
 
 /**
  * How the link does: NULL when host is, else counters that live and change with the session.

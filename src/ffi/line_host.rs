@@ -446,7 +446,7 @@ sized_alias!(olp: olp_host_get_link(host: *const Host, link: *mut Link) -> c_int
 ///
 /// ```c
 /// struct olp_host_device device;
-/// for (int i = 0; olp_host_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
+/// for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
 ///     printf("%s: %s\n", device.id, device.type);
 /// ```
 ///
@@ -454,9 +454,9 @@ sized_alias!(olp: olp_host_get_link(host: *const Host, link: *mut Link) -> c_int
 ///
 /// As for `olp_host_poll`.
 ///
-/// cbindgen:postfix=OLP_SIZED("olp_host_device")
+/// cbindgen:postfix=OLP_SIZED("olp_host_get_device")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn olp_host_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
+pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_ref() }).filter(|_| !device.is_null()) else {
         return OLP_RC_ERROR_GENERIC;
@@ -473,7 +473,7 @@ pub unsafe extern "C" fn olp_host_device(host: *const Host, index: c_int, device
     unsafe { (*device).end_texts() };
     OLP_RC_SUCCESS
 }
-sized_alias!(olp: olp_host_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);
+sized_alias!(olp: olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);
 
 /// How the link does: NULL when host is, else counters that live and change with the session.
 ///
