@@ -21,23 +21,24 @@ others the obvious way. \`full-ring\`: one \`dp_recv\`, for each byte of the rin
 END
 "$here/bench/run.sh" "$@" >"$work/bench.log"
 awk '
-    $1 == "count" { if (!($2 in goal)) name[++n] = $2; goal[$2] = $3; value[$2, $4] = sprintf("%.1f", $6) }
+    $1 == "time" && $4 == "library" { name[++n] = $2 }
+    $1 == "count" { goal[$2] = $3; value[$2, $4] = sprintf("%.1f", $6) }
     function cell(side) { return (name[i], side) in value ? value[name[i], side] : "" }
-    END { for (i = 1; i <= n; i++) printf "| `%s` | %s | %s | %s |\n", name[i], cell("library"), cell("model"), goal[name[i]] > 0 ? goal[name[i]] : "" }
+    END { for (i = 1; i <= n; i++) printf "| `%s` | %s | %s | %s |\n", name[i], cell("library"), cell("model"), (goal[name[i]] > 0 ? goal[name[i]] : "") }
 ' "$work/figures"
 
 cat <<END
 
 ## Flash, RAM and stack on bare metal
 
-Bytes, of each function with all it calls. Also printed by \`make firmware-size\`.
+Bytes, with all that is called. \`make firmware-size\` prints the same for each function, and a whole sketch on AVR.
 
 END
 for target in "$here"/../target/firmware/*/libdeltarobot.a; do
     target=$(basename "$(dirname "$target")")
     "$here/../firmware/size.sh" "$target" "$here/../target/firmware/$target"
 done | awk '
-    $1 == "target" && done++ { next }
+    $1 == "target" && done++ || $1 != "target" && $2 !~ /^(these|all|a|RAM:)$/ { next }
     { name = $2; last = NF; for (i = 3; i <= NF && $i !~ /^([0-9]+|-|bytes)$/; i++) name = name " " $i
       row = "| " $1 " | " name; for (; i <= NF; i++) row = row " | " $i; print row " |" }
     $1 == "target" { gsub(/[^|]+/, "---", row); print row "|" }'
