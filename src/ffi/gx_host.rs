@@ -6,8 +6,8 @@ use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS};
-use super::gx_motion::{long, output, small, write_vector};
-use super::memory::{bytes_of, int, zero};
+use super::gx_motion::{small, write_vector};
+use super::memory::{bytes_of, fill, int, long, zero};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_WINDOW_MAX;
@@ -296,7 +296,8 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
         return GX_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
-    unsafe { output(buf, cap, |room, frame| host.output(room, frame, time(now_ms))) }
+    let written = unsafe { fill(buf, cap, |room, frame| host.output(room, frame, time(now_ms))) };
+    written.unwrap_or(GX_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 

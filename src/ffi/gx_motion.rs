@@ -3,16 +3,16 @@
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
-use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::mem::{align_of, offset_of, size_of};
 
 use super::gx::{GX_FAULT_AXIS, GX_FAULT_CLOSED, GX_FAULT_NUMBERLESS, GX_FAULT_ORDER, GX_FAULT_OWN, GX_FAULT_STOPPED};
 use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS};
-use super::memory::{bytes_of, int, zero};
+use super::memory::{bytes_of, fill, int, long, zero};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_QUEUE_MAX;
 use crate::gx::motion::{self, Motion, MotionEvent, MotionHealth, MotionSettings, Queue, Queued};
-use crate::gx::{AXES, CommandReceiver, ENCODED_MAX, Number, Vector};
+use crate::gx::{AXES, CommandReceiver, Number, Vector};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
 pub const GX_MOTION_QUEUED: c_int = 1;
@@ -351,7 +351,8 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
         return GX_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
-    unsafe { output(buf, cap, |room, frame| motion.output(room, frame, time(now_ms))) }
+    let written = unsafe { fill(buf, cap, |room, frame| motion.output(room, frame, time(now_ms))) };
+    written.unwrap_or(GX_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(gx: gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
@@ -418,34 +419,6 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const M
 }
 sized_alias!(gx: gx_motion_get_health(motion: *const Motion) -> *const MotionHealth);
 
-/// Fills a buffer with as many frames as fit.
-///
-/// # Safety
-///
-/// buf is NULL or points to that many writable bytes.
-pub(super) unsafe fn output(
-    buf: *mut c_void,
-    cap: c_int,
-    mut next: impl FnMut(usize, &mut [u8; ENCODED_MAX]) -> usize,
-) -> c_int {
-    let (Ok(cap), false) = (usize::try_from(cap), cap != 0 && buf.is_null()) else {
-        return GX_RC_ERROR_GENERIC.wrapping_neg();
-    };
-    let mut frame = [0; ENCODED_MAX];
-    let mut written = 0_usize;
-    loop {
-        let length = next(cap.wrapping_sub(written), &mut frame);
-        if length == 0 {
-            return int(written);
-        }
-        for byte in frame.iter().take(length) {
-            // SAFETY: only what fits was written, so this is in the buffer.
-            unsafe { buf.cast::<MaybeUninit<u8>>().add(written).write(MaybeUninit::new(*byte)) };
-            written = written.wrapping_add(1);
-        }
-    }
-}
-
 /// Field by field, which never becomes a call of memcpy.
 ///
 /// # Safety
@@ -470,10 +443,4 @@ fn number_of(number: Option<Number>) -> c_int {
 #[allow(clippy::unnecessary_fallible_conversions, reason = "where an int has 16")]
 pub(super) fn small(value: u16) -> c_int {
     c_int::try_from(value).unwrap_or(-1)
-}
-
-/// Milliseconds as C's long has them, which may have 32 bits.
-#[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
-pub(super) fn long(time: u32) -> c_long {
-    c_long::try_from(time).unwrap_or(c_long::MAX)
 }

@@ -5,7 +5,7 @@
 use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 
-use super::memory::{bytes_of, int, zero};
+use super::memory::{bytes_of, int, long, zero};
 use super::payload::{position_from, report_to};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
 use super::sized_alias;
@@ -419,12 +419,6 @@ pub unsafe extern "C" fn dp_host_get_health(host: *const Host) -> *const Health 
     }
 }
 sized_alias!(dp_host_get_health(host: *const Host) -> *const Health);
-
-/// Milliseconds as C's long has them, which may have 32 bits.
-#[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
-fn long(time: u32) -> c_long {
-    c_long::try_from(time).unwrap_or(c_long::MAX)
-}
 
 fn result(outcome: Option<Result<(), Busy>>) -> c_int {
     match outcome {

@@ -10,7 +10,7 @@ use super::line_protocol::LineMessage;
 use super::line_protocol::reading::olp_parse;
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND};
 use super::line_protocol::{OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
-use super::memory::{bytes_of, int, text_of, zero};
+use super::memory::{bytes_of, fill, int, long, text_of, zero};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::{OLP_DEVICES_MAX, OLP_WINDOW_MAX};
@@ -368,23 +368,12 @@ sized_alias!(olp: olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Li
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let (Some(host), Ok(cap), false) = (unsafe { host.as_mut() }, usize::try_from(cap), cap != 0 && buf.is_null())
-    else {
+    let Some(host) = (unsafe { host.as_mut() }) else {
         return OLP_RC_ERROR_GENERIC.wrapping_neg();
     };
-    let mut written = 0_usize;
-    let mut line = [0; COMMAND_MAX];
-    loop {
-        let length = host.output(&mut line, cap.wrapping_sub(written), time(now_ms));
-        if length == 0 {
-            return int(written);
-        }
-        for byte in line.iter().take(length) {
-            // SAFETY: output() gives only what fits, so this is in the buffer.
-            unsafe { buf.cast::<u8>().add(written).write(*byte) };
-            written = written.wrapping_add(1);
-        }
-    }
+    // SAFETY: as the contract of this function asks.
+    let written = unsafe { fill(buf, cap, |room, line: &mut [u8; COMMAND_MAX]| host.output(line, room, time(now_ms))) };
+    written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(olp: olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
@@ -497,12 +486,6 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health
     }
 }
 sized_alias!(olp: olp_host_get_health(host: *const Host) -> *const Health);
-
-/// Milliseconds as C's long has them, which may have 32 bits.
-#[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
-fn long(time: u32) -> c_long {
-    c_long::try_from(time).unwrap_or(c_long::MAX)
-}
 
 fn handle(queued: Result<c_int, QueueError>) -> c_int {
     match queued {

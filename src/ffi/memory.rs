@@ -1,6 +1,6 @@
-//! Memory of callers, as pointers and sizes from C tell of it.
+//! Memory of callers, as pointers and sizes from C tell of it, and numbers as C has them.
 
-use core::ffi::{c_char, c_int, c_void};
+use core::ffi::{c_char, c_int, c_long, c_void};
 use core::mem::MaybeUninit;
 use core::slice;
 
@@ -38,6 +38,12 @@ pub(super) const fn int(bytes: usize) -> c_int {
     bytes as c_int
 }
 
+/// Milliseconds as C's long has them, which may have 32 bits.
+#[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
+pub(super) fn long(time: u32) -> c_long {
+    c_long::try_from(time).unwrap_or(c_long::MAX)
+}
+
 /// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
 ///
 /// # Safety
@@ -49,6 +55,34 @@ pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut
         // SAFETY: not NULL, so as the contract of this function asks.
         Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts_mut(buf.cast(), length) }),
         _ => None,
+    }
+}
+
+/// Fills a buffer of C's with as many messages as fit: `next` is told how much room is left, writes one and tells its length, 0
+/// when there is none that fits. Returns how many bytes were written, or `None` where pointer and size stand for nothing.
+///
+/// # Safety
+///
+/// buf is NULL or points to that many writable bytes, which nobody else touches meanwhile.
+pub(super) unsafe fn fill<const LONGEST: usize>(
+    buf: *mut c_void,
+    cap: c_int,
+    mut next: impl FnMut(usize, &mut [u8; LONGEST]) -> usize,
+) -> Option<c_int> {
+    // SAFETY: as the contract of this function asks.
+    let room = unsafe { room_of(buf, cap) }?;
+    let mut message = [0; LONGEST];
+    let mut written = 0_usize;
+    loop {
+        let left = room.get_mut(written..).unwrap_or_default();
+        let length = next(left.len(), &mut message);
+        if length == 0 {
+            return Some(int(written));
+        }
+        for (place, byte) in left.iter_mut().zip(message.iter().take(length)) {
+            place.write(*byte);
+        }
+        written = written.wrapping_add(length);
     }
 }
 
