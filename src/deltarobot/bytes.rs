@@ -43,37 +43,54 @@ fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
     else {
         return 0;
     };
-    let last = last.iter().zip(masks).map(|(byte, mask)| byte & mask);
-    first.iter().zip(last).fold(0, |sum, (first, last)| sum.wrapping_add(*first).wrapping_add(last))
+    let mut sum = 0_u8;
+    // A loop: of a fold the compiler may make a call.
+    for ((first, last), mask) in first.iter().zip(last).zip(masks) {
+        sum = sum.wrapping_add(*first).wrapping_add(last & mask);
+    }
+    sum
 }
 
 /// Copies as many items as both have. `item` makes a byte what `to` consists of.
 #[inline(always)]
-pub(super) fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+pub(crate) fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
     let length = from.len().min(to.len());
-    let (Some(from), Some(to)) = (from.get(..length), to.get_mut(..length)) else { return };
-    if FAST && length >= BLOCK {
-        return copy_by::<BLOCK, T>(from, to, item);
-    }
-    if FAST && length >= WORD {
-        return copy_by::<WORD, T>(from, to, item);
-    }
-    if FAST && length >= HALF {
-        return copy_by::<HALF, T>(from, to, item);
+    let (Some(mut from), Some(mut to)) = (from.get(..length), to.get_mut(..length)) else { return };
+    if FAST {
+        while from.len() > 2 * BLOCK {
+            let (Some((block, rest)), Some((place, places))) =
+                (from.split_first_chunk::<BLOCK>(), to.split_first_chunk_mut::<BLOCK>())
+            else {
+                return;
+            };
+            *place = block.map(item);
+            (from, to) = (rest, places);
+        }
+        if from.len() > BLOCK {
+            return copy_ends::<BLOCK, T>(from, to, item);
+        }
+        if from.len() >= WORD {
+            return copy_ends::<WORD, T>(from, to, item);
+        }
+        if from.len() >= HALF {
+            return copy_ends::<HALF, T>(from, to, item);
+        }
     }
     for (place, byte) in to.iter_mut().zip(from) {
         *place = item(*byte);
     }
 }
 
-/// Copies at least N bytes, N at a time, some of the last ones twice.
+/// Copies N to twice N bytes: the first and the last ones, of which some may be the same.
 #[inline(always)]
-fn copy_by<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
-    for (place, block) in to.as_chunks_mut::<N>().0.iter_mut().zip(from.as_chunks::<N>().0) {
-        *place = block.map(item);
+fn copy_ends<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+    let (Some(first), Some(last)) = (from.first_chunk::<N>(), from.last_chunk::<N>()) else { return };
+    let (first, last) = (first.map(item), last.map(item));
+    if let Some(place) = to.first_chunk_mut::<N>() {
+        *place = first;
     }
-    if let (Some(place), Some(last)) = (to.last_chunk_mut::<N>(), from.last_chunk::<N>()) {
-        *place = last.map(item);
+    if let Some(place) = to.last_chunk_mut::<N>() {
+        *place = last;
     }
 }
 

@@ -4,7 +4,7 @@
 //! the bytes of a frame.
 #![forbid(unsafe_code)]
 
-mod bytes;
+pub(crate) mod bytes;
 mod controller;
 mod frame;
 mod host;
@@ -22,5 +22,7 @@ pub use host::{Busy, Event, Health, Host, Link, Outcome, Request, Settings};
 pub use opcode::Opcode;
 pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
 pub use position::{POSITION_SIZE, Position};
+pub(crate) use ring::Candidate;
 pub use ring::{NoFrame, Overflow, Ring, RingByte};
+pub(crate) use shortcut::{Glance, Taken};
 pub use text::{TEXT_MAX, describe};

@@ -51,7 +51,7 @@ pub enum NoFrame {
 }
 
 /// What stands at a place in the ring.
-pub(super) enum Candidate {
+pub(crate) enum Candidate {
     /// A frame, with so many bytes of payload. On hosts its checksum remains to be proved.
     Frame(Opcode, usize),
     /// The beginning of a frame, or nothing at all.

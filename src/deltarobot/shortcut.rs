@@ -4,7 +4,7 @@
 //! What they know comes from the fields as they are, in range or not, and from bytes that may be stale. So each answer
 //! rests on a check of `used` that leaves no other reading.
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
 use super::ring::{Candidate, NoFrame, Ring, int, wrap};
 use super::sums::Sums;
 use super::{Opcode, bytes};
@@ -28,12 +28,28 @@ static LIMITS: [u32; 256] = {
     limits
 };
 
-/// A head at the ring's start, with as many bytes there as it asks for. Whether they are a frame, [`Ring::take`] knows.
+/// What a ring starts with, when a glance is enough to tell.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Whole {
-    pub(crate) start: usize,
-    pub(crate) opcode: u8,
-    pub(crate) length: usize,
+pub(crate) enum Glance {
+    /// A head whose rest is waited for.
+    Waiting,
+    /// A head, with as many bytes behind it as it asks for. Whether they are a frame, [`Ring::take`] knows.
+    Whole { start: usize, opcode: u8, length: usize },
+    /// A byte that begins no frame, or nothing.
+    NoStart,
+    /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows.
+    NoHead,
+}
+
+/// What became of a frame that a [`Glance`] saw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Taken {
+    /// Its payload was delivered, and it is out of the ring.
+    Delivered,
+    /// It is none: its first byte is garbage.
+    Garbage,
+    /// That takes more to tell. Nothing was changed.
+    Unclear,
 }
 
 /// The entry of [`LIMITS`] for an opcode: in place of [`Opcode::is_known`], which compares with one after the other.
@@ -43,80 +59,119 @@ pub(super) fn limit(opcode: Opcode) -> usize {
 }
 
 impl Ring {
-    /// The place of the next byte, if there is room for one: [`push`](Self::push) puts it there.
+    /// Adds a byte behind the others, or tells the place past the ring's end where it would be.
     #[inline(always)]
-    pub(crate) fn end(&self) -> Option<usize> {
-        let start = self.start.cast_unsigned() as usize;
-        let used = self.used.cast_unsigned() as usize;
-        let end = start.wrapping_add(used);
-        // When even their sum is in range, so are both: mostly one comparison is enough.
-        if end < DP_BUFSIZE { Some(end) } else { (start < DP_BUFSIZE && used < DP_BUFSIZE).then(|| wrap(end)) }
+    pub(crate) fn push(&mut self, byte: u8) -> Result<(), usize> {
+        let end = (self.used.cast_unsigned() as usize).wrapping_add(self.start.cast_unsigned() as usize);
+        // When even the sum is in range, so are both.
+        *self.bytes.get_mut(end).ok_or(end)? = byte;
+        self.used = self.used.wrapping_add(1);
+        Ok(())
     }
 
-    /// Adds a byte at the [`end`](Self::end).
+    /// Adds a byte in front of the others, which end there; unless the ring is full, or its fields are out of range.
     #[inline(always)]
-    pub(crate) fn push(&mut self, end: usize, byte: u8) {
-        if let Some(place) = self.bytes.get_mut(end) {
-            *place = byte;
-            self.used = self.used.wrapping_add(1);
+    pub(crate) fn push_in_front(&mut self, end: usize, byte: u8) -> bool {
+        let (start, used) = (self.start.cast_unsigned() as usize, self.used.cast_unsigned() as usize);
+        let are_inside = if DP_BUFSIZE.is_power_of_two() {
+            start | used < DP_BUFSIZE
+        } else {
+            start < DP_BUFSIZE && used < DP_BUFSIZE
+        };
+        match self.bytes.get_mut(wrap(end)) {
+            Some(place) if are_inside => *place = byte,
+            _ => return false,
         }
+        self.used = self.used.wrapping_add(1);
+        true
     }
 
-    /// Judges what the ring starts with: a head; one whose rest is waited for; garbage. `None` when it takes more than
-    /// a glance.
+    /// Judges what the ring starts with, if that is a head that lies in one piece.
     #[inline(always)]
-    pub(crate) fn glance(&self) -> Option<Result<Whole, NoFrame>> {
+    pub(crate) fn glance(&self) -> Option<Glance> {
         let start = self.start.cast_unsigned() as usize;
-        let used = self.used.cast_unsigned() as usize;
         if start > const { DP_BUFSIZE.wrapping_sub(FRAME_HEAD) } {
             return None;
         }
         let &[first, opcode, length] = self.bytes.get(start..)?.first_chunk()?;
-        if first == FRAME_START {
-            let (limit, length) = (limit(Opcode(opcode)), usize::from(length));
-            if length < limit {
-                // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the
-                // rest.
-                if used < length.wrapping_add(FRAME_OVERHEAD) {
-                    return Some(Err(NoFrame::Waiting));
-                }
-                return Some(Ok(Whole { start, opcode, length }));
-            }
-            if used == 1 || used == 2 && limit != 0 {
-                return Some(Err(NoFrame::Waiting));
-            }
+        let length = usize::from(length);
+        if first != FRAME_START {
+            return Some(Glance::NoStart);
         }
-        Some(Err(if used == 0 { NoFrame::Waiting } else { NoFrame::Garbage }))
+        if length >= limit(Opcode(opcode)) {
+            return Some(Glance::NoHead);
+        }
+        // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest.
+        if (self.used.cast_unsigned() as usize) < length.wrapping_add(FRAME_OVERHEAD) {
+            return Some(Glance::Waiting);
+        }
+        Some(Glance::Whole { start, opcode, length })
     }
 
-    /// Takes the frame that [`glance`](Self::glance) saw, or finds that its first byte is garbage. `None` when it lies
+    /// Whether the head that [`glance`](Self::glance) missed has yet to come.
+    #[inline(always)]
+    pub(crate) fn awaits_head(&self) -> bool {
+        let opcode = || Opcode(self.byte((self.start.cast_unsigned() as usize).wrapping_add(1)));
+        self.used.cast_unsigned() <= 1 || self.used == 2 && limit(opcode()) != 0
+    }
+
+    /// Takes the frame that [`glance`](Self::glance) saw, and has its payload delivered. [`Taken::Unclear`] when it lies
     /// across the ring's end.
     #[inline(always)]
-    pub(crate) fn take(&mut self, start: usize, opcode: u8, length: usize) -> Option<Result<Frame<'_>, NoFrame>> {
-        let size = length.wrapping_add(FRAME_OVERHEAD);
-        let used = self.used.cast_unsigned() as usize;
-        if !is_intact(self.bytes.get(start..start.wrapping_add(size))?, Opcode(opcode)) {
-            return Some(Err(NoFrame::Garbage));
+    pub(crate) fn take(&mut self, start: usize, opcode: Opcode, length: usize, deliver: impl FnOnce(&[u8])) -> Taken {
+        let Some(frame) = self.bytes.get(start..start.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)) else {
+            return Taken::Unclear;
+        };
+        let Some(payload) = intact(frame, opcode) else { return Taken::Garbage };
+        if self.used.cast_unsigned() as usize > DP_BUFSIZE {
+            return Taken::Unclear;
         }
-        if used > DP_BUFSIZE {
-            return None;
-        }
-        Some(Ok(self.take_out(start, used, Opcode(opcode), length)))
+        deliver(payload);
+        self.drop_frame(start, length);
+        Taken::Delivered
     }
 
-    /// Judges what the ring starts with, wherever that lies. `None` when its checksum is needed, or the start is out of
-    /// range: with more bytes than a ring has, none is waited for.
+    /// The same for one that lies across the ring's end: it is put together first.
     #[inline(always)]
-    pub(crate) fn look(&self) -> Option<NoFrame> {
-        let start = self.start.cast_unsigned() as usize;
-        if start >= DP_BUFSIZE {
-            return None;
+    pub(crate) fn take_across(
+        &mut self,
+        start: usize,
+        opcode: Opcode,
+        length: usize,
+        deliver: impl FnOnce(&[u8]),
+    ) -> Taken {
+        let size = length.wrapping_add(FRAME_OVERHEAD);
+        if self.byte(start.wrapping_add(size).wrapping_sub(1)) != FRAME_END {
+            return Taken::Garbage;
         }
-        match self.judge(start, self.used.cast_unsigned() as usize) {
-            Candidate::Frame(..) => None,
-            Candidate::Incomplete => Some(NoFrame::Waiting),
-            Candidate::Garbage => Some(NoFrame::Garbage),
+        // One by one, which never becomes a call of memset.
+        let mut frame: [u8; FRAME_MAX] = core::array::from_fn(|_| 0);
+        let Some(frame) = frame.get_mut(..size) else { return Taken::Unclear };
+        let (front, back) = self.bytes.split_at_checked(start).unwrap_or_default();
+        let Some((head, tail)) = frame.split_at_mut_checked(back.len()) else { return Taken::Unclear };
+        bytes::copy(back, head, |byte| byte);
+        bytes::copy(front, tail, |byte| byte);
+        let Some(payload) = intact(frame, opcode) else { return Taken::Garbage };
+        if self.used.cast_unsigned() as usize > DP_BUFSIZE {
+            return Taken::Unclear;
         }
+        deliver(payload);
+        self.drop_frame(start, length);
+        Taken::Delivered
+    }
+
+    /// Drops a frame from the ring's start.
+    #[inline(always)]
+    fn drop_frame(&mut self, start: usize, length: usize) {
+        let size = length.wrapping_add(FRAME_OVERHEAD);
+        (self.start, self.used) = (int(wrap(start.wrapping_add(size))), self.used.wrapping_sub(int(size)));
+    }
+
+    /// Judges what the ring starts with, wherever that lies. `None` when its fields are out of range.
+    #[inline(always)]
+    pub(crate) fn look(&self) -> Option<(usize, Candidate)> {
+        let (start, used) = (self.start.cast_unsigned() as usize, self.used.cast_unsigned() as usize);
+        (start < DP_BUFSIZE && used <= DP_BUFSIZE).then(|| (start, self.judge(start, used)))
     }
 
     /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
@@ -169,6 +224,9 @@ impl Ring {
             // More than the search has, so it does not count.
             return Ok(all);
         }
+        if all == 0 {
+            return Err(NoFrame::Waiting);
+        }
         (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
         loop {
             match self.judge(start, used) {
@@ -190,15 +248,16 @@ const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
     const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length as u8)
 }
 
-/// Whether a frame that begins as it should, and lies in one piece, ends as it should.
+/// The payload of a frame that begins as it should, and lies in one piece, if it ends as it should.
 #[inline(always)]
-fn is_intact(frame: &[u8], opcode: Opcode) -> bool {
-    let Some((summed, &[sum, end])) = frame.split_last_chunk() else { return false };
-    let Some((_, payload)) = summed.split_first_chunk::<FRAME_HEAD>() else { return false };
+fn intact(frame: &[u8], opcode: Opcode) -> Option<&[u8]> {
+    let (summed, &[sum, end]) = frame.split_last_chunk()?;
+    let (_, payload) = summed.split_first_chunk::<FRAME_HEAD>()?;
     // The length was looked at before. Here the compiler learns that it is no larger.
-    end == FRAME_END
+    let is_intact = end == FRAME_END
         && payload.len() <= DP_DATA_MAX_SIZE
-        && sum == bytes::add_up(sum_of_head(opcode, payload.len()), payload)
+        && sum == bytes::add_up(sum_of_head(opcode, payload.len()), payload);
+    is_intact.then_some(payload)
 }
 
 /// The part of the ring that begins there, in the order it is read in: two pieces when it lies across the ring's end.
@@ -218,7 +277,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::{Frame, NoFrame, Opcode, Ring, Whole, int, wrap};
+    use super::{Candidate, Frame, Glance, NoFrame, Opcode, Ring, Taken, int, wrap};
     use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
@@ -244,27 +303,47 @@ mod tests {
     fn short(mut ring: Ring) -> Option<Outcome> {
         let before = ring.clone();
         let unchanged = |ring: &Ring| assert_eq!(outcome(ring, Ok((0, vec![]))), outcome(&before, Ok((0, vec![]))));
-        let mut answer = match ring.glance() {
-            Some(Ok(Whole { start, opcode, length })) => ring.take(start, opcode, length).map(unpacked),
-            Some(Err(none)) => Some(Err(none)),
-            None => None,
+        let across = |ring: &mut Ring, start, opcode, length| {
+            let mut delivered = vec![];
+            let taken = ring.take_across(start, opcode, length, |payload| delivered = payload.to_vec());
+            (taken, (opcode.0, delivered))
         };
-        match before.look() {
-            Some(none) if answer.is_none() => answer = Some(Err(none)),
-            Some(none) => assert_eq!(answer, Some(Err(none)), "two short ways differ"),
-            None => {}
-        }
-        if answer == Some(Err(NoFrame::Garbage)) {
-            unchanged(&ring);
-            let passed = ring.pass();
-            if passed.is_ok() {
-                unchanged(&ring);
+        let mut whole = |start, opcode, length| {
+            let mut delivered = vec![];
+            match ring.take(start, opcode, length, |payload| delivered = payload.to_vec()) {
+                Taken::Unclear => across(&mut ring, start, opcode, length),
+                taken => (taken, (opcode.0, delivered)),
             }
-            answer = Some(passed.map_or_else(Err, |passed| unpacked(ring.search(false, passed))));
-        } else if !matches!(answer, Some(Ok(_))) {
+        };
+        let (taken, message) = match before.glance() {
+            Some(Glance::Waiting) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+            Some(Glance::NoHead) if before.awaits_head() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+            Some(Glance::NoHead | Glance::NoStart) => (Taken::Garbage, (0, vec![])),
+            Some(Glance::Whole { start, opcode, length }) => whole(start, Opcode(opcode), length),
+            None => match before.look()? {
+                (_, Candidate::Incomplete) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+                (_, Candidate::Garbage) => (Taken::Garbage, (0, vec![])),
+                (start, Candidate::Frame(opcode, length)) => across(&mut ring, start, opcode, length),
+            },
+        };
+        if taken != Taken::Delivered {
             unchanged(&ring);
         }
-        answer.map(|answer| outcome(&ring, answer))
+        let answer = match taken {
+            Taken::Delivered => Ok(message),
+            Taken::Garbage => {
+                let passed = ring.pass();
+                if passed.is_ok() {
+                    unchanged(&ring);
+                }
+                match passed {
+                    Ok(passed) => unpacked(ring.search(false, passed)),
+                    Err(none) => Err(none),
+                }
+            }
+            Taken::Unclear => return None,
+        };
+        Some(outcome(&ring, answer))
     }
 
     /// The long way, one byte after the other and without any of what is in this file.
@@ -358,13 +437,10 @@ mod tests {
             let mut ring = Ring::new();
             (ring.start, ring.used) = (start, used);
             let mut other = ring.clone();
-            if let Some(end) = ring.end() {
-                ring.push(end, byte);
+            if ring.push(byte).map_or_else(|end| ring.push_in_front(end, byte), |()| true) {
                 prop_assert_eq!(other.append(&[byte]), Ok(()));
             }
-            if ring.used != used {
-                prop_assert_eq!(outcome(&ring, Err(NoFrame::Waiting)), outcome(&other, Err(NoFrame::Waiting)));
-            }
+            prop_assert_eq!(outcome(&ring, Err(NoFrame::Waiting)), outcome(&other, Err(NoFrame::Waiting)));
         }
     }
 

@@ -4,13 +4,16 @@
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
-
 use core::slice;
 
 use super::memory::{bytes_of, int};
 use super::sized_alias;
 use crate::config::{DP_DATA_MAX_SIZE, FAST};
-use crate::deltarobot::{FRAME_MAX, Frame, NoFrame, Opcode, Ring, encode};
+use crate::deltarobot::{FRAME_MAX, Opcode, Ring, encode};
+
+pub(super) mod receiving;
+
+use receiving::{any_message, next_message};
 
 /// The operation completed.
 pub const DP_RC_SUCCESS: c_int = 0;
@@ -46,9 +49,6 @@ pub const DP_BIT_STAT_STATUS_ERROR: c_int = 3;
 pub const DP_BIT_STAT_STOP_PRESSED: c_int = 1;
 /// An end stop's bit, shifted down: not pressed.
 pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
-
-/// What `opcode` becomes when no frame was received: never the opcode of one.
-const NO_OPCODE: c_uchar = 0xFF;
 
 /// One message: what a frame carries.
 #[derive(Debug)]
@@ -154,19 +154,27 @@ sized_alias!(dp_process = process(data: *mut Ring, buf: *mut c_void, bytes: c_in
 
 #[inline(always)]
 unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    if FAST && neither_null(data, buf) {
-        // SAFETY: not NULL, so a ring by the contract of dp_process.
-        let ring = unsafe { &mut *data };
-        if let Some(end) = ring.end()
-            && bytes == 1
-        {
-            // SAFETY: not NULL, so a byte by the contract of dp_process.
-            ring.push(end, unsafe { *buf.cast() });
+    // SAFETY: where neither is NULL, they are a ring and a byte by the contract of dp_process; else the same contract.
+    unsafe {
+        if FAST && neither_null(data, buf) && bytes == 1 {
+            if let Err(end) = (*data).push(*buf.cast()) {
+                return process_in_front(data, buf, end);
+            }
             return DP_RC_SUCCESS;
         }
+        process_any(data, buf, bytes)
     }
+}
+
+/// A byte that goes to the ring's beginning, where those at its end go on, or into a full one.
+///
+/// # Safety
+///
+/// As for [`dp_process`], with neither pointer NULL, and a single byte.
+#[inline(never)]
+unsafe fn process_in_front(data: *mut Ring, buf: *mut c_void, end: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { process_any(data, buf, bytes) }
+    unsafe { if (*data).push_in_front(end, *buf.cast()) { DP_RC_SUCCESS } else { process_any(data, buf, 1) } }
 }
 
 /// Any number of bytes. A function of its own where there is a faster way for a single one.
@@ -214,155 +222,10 @@ sized_alias!(dp_recv = recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     if FAST && neither_null(data, msg) {
         // SAFETY: not NULL, so both are as the contract of dp_recv asks.
-        return unsafe { recv_next(&mut *data, msg) };
+        return unsafe { next_message(&mut *data, msg) };
     }
     // SAFETY: the same contract.
-    unsafe { recv_any(data, msg, false, 0) }
-}
-
-/// The next message of a ring that there is. On hosts what takes more than a glance is left to functions of their own:
-/// every register that their loops need would have to be saved by all calls.
-///
-/// # Safety
-///
-/// msg points to a writable message outside the ring.
-#[inline(always)]
-pub(super) unsafe fn recv_next(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
-    unsafe {
-        if !FAST {
-            return recv_any(ring, msg, false, 0);
-        }
-        match ring.glance() {
-            Some(Err(NoFrame::Waiting)) => answer(msg, Some(Err(NoFrame::Waiting))),
-            Some(Err(NoFrame::Garbage)) => recv_behind_garbage(ring, msg),
-            Some(Ok(it)) if it.length <= 1 => recv_short(ring, msg, it.start, it.opcode, it.length),
-            Some(Ok(it)) => recv_long(ring, msg, it.start, it.opcode, it.length),
-            None => recv_unclear(ring, msg),
-        }
-    }
-}
-
-/// [`recv_whole`] for most frames: requests have no payload, an acknowledgement one byte. With a length that the compiler
-/// knows it makes shorter code.
-///
-/// # Safety
-///
-/// As for [`recv_next`].
-#[inline(never)]
-unsafe fn recv_short(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
-    // SAFETY: the same contract.
-    unsafe {
-        match length {
-            0 => recv_whole(ring, msg, start, opcode, 0),
-            1 => recv_whole(ring, msg, start, opcode, 1),
-            _ => recv_long(ring, msg, start, opcode, length),
-        }
-    }
-}
-
-/// [`recv_whole`] for the others.
-///
-/// # Safety
-///
-/// As for [`recv_next`].
-#[inline(never)]
-unsafe fn recv_long(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { recv_whole(ring, msg, start, opcode, length) }
-}
-
-/// What [`Ring::glance`] saw whole.
-///
-/// # Safety
-///
-/// As for [`recv_next`].
-#[inline(always)]
-unsafe fn recv_whole(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
-    // SAFETY: the same contract.
-    unsafe {
-        match ring.take(start, opcode, length) {
-            Some(Ok(frame)) => answer(msg, Some(Ok(frame))),
-            Some(Err(_)) => recv_behind_garbage(ring, msg),
-            None => recv_unclear(ring, msg),
-        }
-    }
-}
-
-/// A ring that begins with a byte that is known to begin no frame.
-///
-/// # Safety
-///
-/// As for [`recv_next`].
-#[inline(never)]
-unsafe fn recv_behind_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
-    unsafe {
-        match ring.pass() {
-            Ok(passed) => recv_any(ring, msg, false, passed),
-            Err(none) => answer(msg, Some(Err(none))),
-        }
-    }
-}
-
-/// A frame may lie across the ring's end.
-///
-/// # Safety
-///
-/// As for [`recv_next`].
-#[inline(never)]
-unsafe fn recv_unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract; a ring and a message are what recv_any asks for.
-    unsafe {
-        match ring.look() {
-            Some(NoFrame::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
-            Some(NoFrame::Garbage) => recv_behind_garbage(ring, msg),
-            None => recv_any(ring, msg, false, 0),
-        }
-    }
-}
-
-/// Any state of the ring. A function of its own where there is a faster way for the usual ones.
-///
-/// # Safety
-///
-/// As for [`dp_recv`].
-#[cfg_attr(target_pointer_width = "64", inline(never))]
-#[cfg_attr(not(target_pointer_width = "64"), inline(always))]
-pub(super) unsafe fn recv_any(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool, passed: usize) -> c_int {
-    if msg.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: NULL, or a ring by the contract of this function.
-    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle, passed));
-    // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
-    unsafe { answer(msg, found) }
-}
-
-/// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
-///
-/// # Safety
-///
-/// msg points to a writable message outside the ring that holds the frame.
-#[inline(always)]
-unsafe fn answer(msg: *mut ProtocolMsg, found: Option<Result<Frame<'_>, NoFrame>>) -> c_int {
-    // SAFETY: as the contract of this function asks; chars and bytes that may be uninitialised have the same layout.
-    unsafe {
-        let none = match found {
-            Some(Ok(frame)) => {
-                (*msg).opcode = frame.opcode.0;
-                (*msg).data_s = int(frame.payload.len());
-                frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
-                (*msg).checksum_ok = 1;
-                return DP_RC_SUCCESS;
-            }
-            Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
-            Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
-            None => DP_RC_ERROR_GENERIC,
-        };
-        (*msg).opcode = NO_OPCODE;
-        none
-    }
+    unsafe { any_message(data, msg, false, 0) }
 }
 
 /// Sends a message: calls sendfunc once, with the whole frame and usr.

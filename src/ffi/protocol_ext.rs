@@ -6,7 +6,8 @@ use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
 use super::memory::{bytes_of, int};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg, recv_any, recv_next};
+use super::protocol::receiving::{any_message, next_message};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg};
 use super::sized_alias;
 use crate::deltarobot::Ring;
 
@@ -65,7 +66,7 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
         // SAFETY: data is not NULL, so a ring by the contract of dp_process_each; msg is ours.
-        while unsafe { recv_next(&mut *data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
+        while unsafe { next_message(&mut *data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
             // SAFETY: as the contract of dp_process_each asks; no reference to the ring is held.
             if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
                 return int(input.len().wrapping_sub(rest.len()));
@@ -114,7 +115,7 @@ sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) ->
 #[inline(always)]
 unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: as the contract of dp_recv_idle asks.
-    unsafe { recv_any(data, msg, true, 0) }
+    unsafe { any_message(data, msg, true, 0) }
 }
 
 /// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.

@@ -1,0 +1,182 @@
+//! How a message comes out of the ring.
+//!
+//! On hosts by the short ways of the core, where they lead; each in a function of its own, that ends in a jump to the
+//! next: every register that one needs would have to be saved by all calls of `dp_recv`, most of which only find that the
+//! frame is not complete yet.
+
+use core::ffi::{c_int, c_uchar};
+use core::mem::MaybeUninit;
+
+use super::{DP_RC_ERROR_GENERIC, DP_RC_GARBAGE, DP_RC_NO_FRAME, DP_RC_SUCCESS, ProtocolMsg};
+use crate::config::{DP_DATA_MAX_SIZE, FAST};
+use crate::deltarobot::{Candidate, Frame, Glance, NoFrame, Opcode, Ring, Taken, bytes};
+use crate::ffi::memory::int;
+
+/// What `opcode` becomes when no frame was received: never the opcode of one.
+const NO_OPCODE: c_uchar = 0xFF;
+
+/// The next message of a ring that there is.
+///
+/// # Safety
+///
+/// Of all functions here: msg points to a writable message outside the ring.
+#[inline(always)]
+pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
+    unsafe {
+        if !FAST {
+            return any_message(ring, msg, false, 0);
+        }
+        match ring.glance() {
+            Some(Glance::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some(Glance::Whole { start, opcode, length }) => whole(ring, msg, start, opcode, length),
+            Some(Glance::NoStart) => behind_garbage(ring, msg),
+            Some(Glance::NoHead) => no_head(ring, msg),
+            None => unclear(ring, msg),
+        }
+    }
+}
+
+/// Any state of the ring, or none.
+///
+/// # Safety
+///
+/// As for `dp_recv`.
+#[cfg_attr(target_pointer_width = "64", inline(never))]
+#[cfg_attr(not(target_pointer_width = "64"), inline(always))]
+pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool, passed: usize) -> c_int {
+    if msg.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: NULL, or a ring by the contract of this function.
+    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle, passed));
+    // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
+    unsafe { answer(msg, found) }
+}
+
+/// A whole candidate. Lengths that the compiler knows make shorter code: requests have no payload, an acknowledgement
+/// one byte, moves and reports 12 to 16.
+#[inline(never)]
+unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe {
+        match length {
+            8..=16 => whole_of(ring, msg, start, opcode, length),
+            17.. => whole_long(ring, msg, start, opcode, length),
+            0 => whole_of(ring, msg, start, opcode, 0),
+            1 => whole_of(ring, msg, start, opcode, 1),
+            _ => whole_short(ring, msg, start, opcode, length),
+        }
+    }
+}
+
+#[inline(never)]
+unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { whole_of(ring, msg, start, opcode, length.max(17)) }
+}
+
+#[inline(never)]
+unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { whole_of(ring, msg, start, opcode, length) }
+}
+
+#[inline(always)]
+unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract.
+    unsafe {
+        match ring.take(start, Opcode(opcode), length, |payload| deliver(msg, opcode, payload)) {
+            Taken::Delivered => DP_RC_SUCCESS,
+            Taken::Garbage => behind_garbage(ring, msg),
+            Taken::Unclear => across(ring, msg, start, opcode, length),
+        }
+    }
+}
+
+/// A whole candidate, across the ring's end.
+#[inline(never)]
+unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
+    unsafe {
+        match ring.take_across(start, Opcode(opcode), length, |payload| deliver(msg, opcode, payload)) {
+            Taken::Delivered => DP_RC_SUCCESS,
+            Taken::Garbage => behind_garbage(ring, msg),
+            Taken::Unclear => any_message(ring, msg, false, 0),
+        }
+    }
+}
+
+/// A head that may lie across the ring's end.
+#[inline(never)]
+unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
+    unsafe {
+        match ring.look() {
+            Some((start, Candidate::Frame(opcode, length))) => across(ring, msg, start, opcode.0, length),
+            Some((_, Candidate::Incomplete)) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some((_, Candidate::Garbage)) => behind_garbage(ring, msg),
+            None => any_message(ring, msg, false, 0),
+        }
+    }
+}
+
+/// A start, behind which the head is wrong or has yet to come.
+#[inline(never)]
+unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { if ring.awaits_head() { answer(msg, Some(Err(NoFrame::Waiting))) } else { pass_garbage(ring, msg) } }
+}
+
+/// A byte that is known to begin no frame, or none.
+#[inline(never)]
+unsafe fn behind_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { pass_garbage(ring, msg) }
+}
+
+#[inline(always)]
+unsafe fn pass_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
+    unsafe {
+        match ring.pass() {
+            Ok(passed) => any_message(ring, msg, false, passed),
+            Err(none) => answer(msg, Some(Err(none))),
+        }
+    }
+}
+
+/// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
+#[inline(always)]
+unsafe fn answer(msg: *mut ProtocolMsg, found: Option<Result<Frame<'_>, NoFrame>>) -> c_int {
+    // SAFETY: as the contract of these functions asks; chars and bytes that may be uninitialised have the same layout.
+    unsafe {
+        let none = match found {
+            Some(Ok(frame)) => {
+                (*msg).opcode = frame.opcode.0;
+                (*msg).data_s = int(frame.payload.len());
+                frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
+                (*msg).checksum_ok = 1;
+                return DP_RC_SUCCESS;
+            }
+            Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
+            Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
+            None => DP_RC_ERROR_GENERIC,
+        };
+        (*msg).opcode = NO_OPCODE;
+        none
+    }
+}
+
+/// The same for a payload in one piece; that first: what was read of it for the checksum need not be read again then.
+#[inline(always)]
+unsafe fn deliver(msg: *mut ProtocolMsg, opcode: c_uchar, payload: &[u8]) {
+    // SAFETY: as in answer.
+    unsafe {
+        let data = &mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>();
+        bytes::copy(payload, data, MaybeUninit::new);
+        (*msg).opcode = opcode;
+        (*msg).data_s = int(payload.len());
+        (*msg).checksum_ok = 1;
+    }
+}
