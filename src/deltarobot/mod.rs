@@ -24,5 +24,5 @@ pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
 pub use position::{POSITION_SIZE, Position};
 pub(crate) use ring::Candidate;
 pub use ring::{NoFrame, Overflow, Ring, RingByte};
-pub(crate) use shortcut::{Glance, Taken};
+pub(crate) use shortcut::{Glance, Proof};
 pub use text::{TEXT_MAX, describe};

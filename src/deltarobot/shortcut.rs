@@ -33,7 +33,7 @@ static LIMITS: [u32; 256] = {
 pub(crate) enum Glance {
     /// A head whose rest is waited for.
     Waiting,
-    /// A head, with as many bytes behind it as it asks for. Whether they are a frame, [`Ring::take`] knows.
+    /// A head, with as many bytes behind it as it asks for. Whether they are a frame, [`Ring::prove`] knows.
     Whole { start: usize, opcode: u8, length: usize },
     /// A byte that begins no frame, or nothing.
     NoStart,
@@ -41,14 +41,14 @@ pub(crate) enum Glance {
     NoHead,
 }
 
-/// What became of a frame that a [`Glance`] saw.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Taken {
-    /// Its payload was delivered, and it is out of the ring.
-    Delivered,
+/// What is true of a candidate that [`Ring::glance`] saw whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Proof<'a> {
+    /// It is a frame, with this payload: [`Ring::drop_frame`] is to follow.
+    Frame(&'a [u8]),
     /// It is none: its first byte is garbage.
     Garbage,
-    /// That takes more to tell. Nothing was changed.
+    /// That takes more to tell.
     Unclear,
 }
 
@@ -115,54 +115,48 @@ impl Ring {
         self.used.cast_unsigned() <= 1 || self.used == 2 && limit(opcode()) != 0
     }
 
-    /// Takes the frame that [`glance`](Self::glance) saw, and has its payload delivered. [`Taken::Unclear`] when it lies
-    /// across the ring's end.
+    /// Proves a candidate that lies in one piece.
     #[inline(always)]
-    pub(crate) fn take(&mut self, start: usize, opcode: Opcode, length: usize, deliver: impl FnOnce(&[u8])) -> Taken {
-        let Some(frame) = self.bytes.get(start..start.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)) else {
-            return Taken::Unclear;
-        };
-        let Some(payload) = intact(frame, opcode) else { return Taken::Garbage };
-        if self.used.cast_unsigned() as usize > DP_BUFSIZE {
-            return Taken::Unclear;
+    pub(crate) fn prove(&self, start: usize, opcode: Opcode, length: usize) -> Proof<'_> {
+        match self.bytes.get(start..start.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)) {
+            Some(candidate) => self.prove_bytes(candidate, opcode),
+            None => Proof::Unclear,
         }
-        deliver(payload);
-        self.drop_frame(start, length);
-        Taken::Delivered
     }
 
-    /// The same for one that lies across the ring's end: it is put together first.
+    /// The same for one that lies across the ring's end: it is put together in `room`.
     #[inline(always)]
-    pub(crate) fn take_across(
-        &mut self,
+    pub(crate) fn prove_across<'a>(
+        &self,
         start: usize,
         opcode: Opcode,
         length: usize,
-        deliver: impl FnOnce(&[u8]),
-    ) -> Taken {
+        room: &'a mut [u8; FRAME_MAX],
+    ) -> Proof<'a> {
         let size = length.wrapping_add(FRAME_OVERHEAD);
         if self.byte(start.wrapping_add(size).wrapping_sub(1)) != FRAME_END {
-            return Taken::Garbage;
+            return Proof::Garbage;
         }
-        // One by one, which never becomes a call of memset.
-        let mut frame: [u8; FRAME_MAX] = core::array::from_fn(|_| 0);
-        let Some(frame) = frame.get_mut(..size) else { return Taken::Unclear };
         let (front, back) = self.bytes.split_at_checked(start).unwrap_or_default();
-        let Some((head, tail)) = frame.split_at_mut_checked(back.len()) else { return Taken::Unclear };
-        bytes::copy(back, head, |byte| byte);
-        bytes::copy(front, tail, |byte| byte);
-        let Some(payload) = intact(frame, opcode) else { return Taken::Garbage };
-        if self.used.cast_unsigned() as usize > DP_BUFSIZE {
-            return Taken::Unclear;
+        let Some(candidate) = room.get_mut(..size) else { return Proof::Unclear };
+        let Some((first, rest)) = candidate.split_at_mut_checked(back.len()) else { return Proof::Unclear };
+        bytes::copy(back, first, |byte| byte);
+        bytes::copy(front, rest, |byte| byte);
+        self.prove_bytes(candidate, opcode)
+    }
+
+    #[inline(always)]
+    fn prove_bytes<'a>(&self, candidate: &'a [u8], opcode: Opcode) -> Proof<'a> {
+        match intact(candidate, opcode) {
+            None => Proof::Garbage,
+            Some(_) if self.used.cast_unsigned() as usize > DP_BUFSIZE => Proof::Unclear,
+            Some(payload) => Proof::Frame(payload),
         }
-        deliver(payload);
-        self.drop_frame(start, length);
-        Taken::Delivered
     }
 
     /// Drops a frame from the ring's start.
     #[inline(always)]
-    fn drop_frame(&mut self, start: usize, length: usize) {
+    pub(crate) fn drop_frame(&mut self, start: usize, length: usize) {
         let size = length.wrapping_add(FRAME_OVERHEAD);
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), self.used.wrapping_sub(int(size)));
     }
@@ -277,7 +271,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::{Candidate, Frame, Glance, NoFrame, Opcode, Ring, Taken, int, wrap};
+    use super::{Candidate, FRAME_MAX, Frame, Glance, NoFrame, Opcode, Proof, Ring, int, wrap};
     use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
@@ -302,48 +296,42 @@ mod tests {
     /// What the short ways do together, as dp_recv takes them, or `None` when they decline.
     fn short(mut ring: Ring) -> Option<Outcome> {
         let before = ring.clone();
-        let unchanged = |ring: &Ring| assert_eq!(outcome(ring, Ok((0, vec![]))), outcome(&before, Ok((0, vec![]))));
-        let across = |ring: &mut Ring, start, opcode, length| {
-            let mut delivered = vec![];
-            let taken = ring.take_across(start, opcode, length, |payload| delivered = payload.to_vec());
-            (taken, (opcode.0, delivered))
-        };
-        let mut whole = |start, opcode, length| {
-            let mut delivered = vec![];
-            match ring.take(start, opcode, length, |payload| delivered = payload.to_vec()) {
-                Taken::Unclear => across(&mut ring, start, opcode, length),
-                taken => (taken, (opcode.0, delivered)),
-            }
-        };
-        let (taken, message) = match before.glance() {
+        let mut room = [0; FRAME_MAX];
+        let (start, opcode, length) = match before.glance() {
             Some(Glance::Waiting) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
             Some(Glance::NoHead) if before.awaits_head() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-            Some(Glance::NoHead | Glance::NoStart) => (Taken::Garbage, (0, vec![])),
-            Some(Glance::Whole { start, opcode, length }) => whole(start, Opcode(opcode), length),
+            Some(Glance::NoHead | Glance::NoStart) => return Some(behind_garbage(ring)),
+            Some(Glance::Whole { start, opcode, length }) => (start, Opcode(opcode), length),
             None => match before.look()? {
                 (_, Candidate::Incomplete) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-                (_, Candidate::Garbage) => (Taken::Garbage, (0, vec![])),
-                (start, Candidate::Frame(opcode, length)) => across(&mut ring, start, opcode, length),
+                (_, Candidate::Garbage) => return Some(behind_garbage(ring)),
+                (start, Candidate::Frame(opcode, length)) => (start, opcode, length),
             },
         };
-        if taken != Taken::Delivered {
-            unchanged(&ring);
-        }
-        let answer = match taken {
-            Taken::Delivered => Ok(message),
-            Taken::Garbage => {
-                let passed = ring.pass();
-                if passed.is_ok() {
-                    unchanged(&ring);
-                }
-                match passed {
-                    Ok(passed) => unpacked(ring.search(false, passed)),
-                    Err(none) => Err(none),
-                }
-            }
-            Taken::Unclear => return None,
+        let proof = match before.prove(start, opcode, length) {
+            Proof::Unclear => before.prove_across(start, opcode, length, &mut room),
+            proof => proof,
         };
-        Some(outcome(&ring, answer))
+        match proof {
+            Proof::Frame(payload) => {
+                ring.drop_frame(start, length);
+                Some(outcome(&ring, Ok((opcode.0, payload.to_vec()))))
+            }
+            Proof::Garbage => Some(behind_garbage(ring)),
+            Proof::Unclear => None,
+        }
+    }
+
+    fn behind_garbage(mut ring: Ring) -> Outcome {
+        let before = ring.clone();
+        let answer = match ring.pass() {
+            Ok(passed) => {
+                assert_eq!(outcome(&ring, Err(NoFrame::Waiting)), outcome(&before, Err(NoFrame::Waiting)));
+                unpacked(ring.search(false, passed))
+            }
+            Err(none) => Err(none),
+        };
+        outcome(&ring, answer)
     }
 
     /// The long way, one byte after the other and without any of what is in this file.

@@ -9,7 +9,7 @@ use core::mem::MaybeUninit;
 
 use super::{DP_RC_ERROR_GENERIC, DP_RC_GARBAGE, DP_RC_NO_FRAME, DP_RC_SUCCESS, ProtocolMsg};
 use crate::config::{DP_DATA_MAX_SIZE, FAST};
-use crate::deltarobot::{Candidate, Frame, Glance, NoFrame, Opcode, Ring, Taken, bytes};
+use crate::deltarobot::{Candidate, Frame, Glance, NoFrame, Opcode, Proof, Ring, bytes};
 use crate::ffi::memory::int;
 
 /// What `opcode` becomes when no frame was received: never the opcode of one.
@@ -86,11 +86,13 @@ unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opco
 unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
     // SAFETY: the same contract.
     unsafe {
-        match ring.take(start, Opcode(opcode), length, |payload| deliver(msg, opcode, payload)) {
-            Taken::Delivered => DP_RC_SUCCESS,
-            Taken::Garbage => behind_garbage(ring, msg),
-            Taken::Unclear => across(ring, msg, start, opcode, length),
+        match ring.prove(start, Opcode(opcode), length) {
+            Proof::Frame(payload) => deliver(msg, opcode, payload),
+            Proof::Garbage => return behind_garbage(ring, msg),
+            Proof::Unclear => return across(ring, msg, start, opcode, length),
         }
+        ring.drop_frame(start, length);
+        DP_RC_SUCCESS
     }
 }
 
@@ -99,11 +101,15 @@ unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode:
 unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
-        match ring.take_across(start, Opcode(opcode), length, |payload| deliver(msg, opcode, payload)) {
-            Taken::Delivered => DP_RC_SUCCESS,
-            Taken::Garbage => behind_garbage(ring, msg),
-            Taken::Unclear => any_message(ring, msg, false, 0),
+        // One by one, which never becomes a call of memset.
+        let mut room = core::array::from_fn(|_| 0);
+        match ring.prove_across(start, Opcode(opcode), length, &mut room) {
+            Proof::Frame(payload) => deliver(msg, opcode, payload),
+            Proof::Garbage => return behind_garbage(ring, msg),
+            Proof::Unclear => return any_message(ring, msg, false, 0),
         }
+        ring.drop_frame(start, length);
+        DP_RC_SUCCESS
     }
 }
 
