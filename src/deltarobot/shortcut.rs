@@ -108,6 +108,12 @@ impl Ring {
         Some(Glance::Whole { start, opcode, length })
     }
 
+    /// Whether there is no byte.
+    #[inline(always)]
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.used == 0
+    }
+
     /// Whether the head that [`glance`](Self::glance) missed has yet to come.
     #[inline(always)]
     pub(crate) fn awaits_head(&self) -> bool {
@@ -211,17 +217,12 @@ impl Ring {
     /// checksum is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
     #[inline(always)]
     pub(crate) fn pass(&mut self) -> Result<usize, NoFrame> {
-        let mut start = self.start.cast_unsigned() as usize;
-        let mut used = self.used.cast_unsigned() as usize;
-        let all = used;
+        let all = self.used.cast_unsigned() as usize;
         if all > DP_BUFSIZE {
             // More than the search has, so it does not count.
             return Ok(all);
         }
-        if all == 0 {
-            return Err(NoFrame::Waiting);
-        }
-        (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
+        let (mut start, mut used) = (wrap((self.start.cast_unsigned() as usize).wrapping_add(1)), all.wrapping_sub(1));
         loop {
             match self.judge(start, used) {
                 Candidate::Frame(..) => return Ok(all.wrapping_sub(used)),
@@ -300,6 +301,7 @@ mod tests {
         let (start, opcode, length) = match before.glance() {
             Some(Glance::Waiting) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
             Some(Glance::NoHead) if before.awaits_head() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+            Some(Glance::NoStart) if before.is_empty() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
             Some(Glance::NoHead | Glance::NoStart) => return Some(behind_garbage(ring)),
             Some(Glance::Whole { start, opcode, length }) => (start, Opcode(opcode), length),
             None => match before.look()? {
