@@ -13,21 +13,17 @@ const HALF: usize = 4;
 #[inline(always)]
 pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     if FAST {
+        while bytes.len() > 2 * BLOCK
+            && let Some((blocks, rest)) = bytes.split_first_chunk::<{ 2 * BLOCK }>()
+        {
+            sum = blocks.iter().fold(sum, |sum, byte| sum.wrapping_add(*byte));
+            bytes = rest;
+        }
         if bytes.len() > BLOCK {
-            let mut lanes = [0; BLOCK];
-            while bytes.len() > 2 * BLOCK
-                && let Some((block, rest)) = bytes.split_first_chunk::<BLOCK>()
-            {
-                add_lanes(&mut lanes, block);
-                bytes = rest;
-            }
-            add_ends(&mut lanes, bytes);
-            return sum.wrapping_add(total(&lanes));
+            return sum.wrapping_add(add_up_ends::<BLOCK>(bytes));
         }
         if bytes.len() >= WORD {
-            let mut lanes = [0; WORD];
-            add_ends(&mut lanes, bytes);
-            return sum.wrapping_add(total(&lanes));
+            return sum.wrapping_add(add_up_ends::<WORD>(bytes));
         }
     }
     for byte in bytes {
@@ -36,33 +32,19 @@ pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     sum
 }
 
-/// Adds N to twice N bytes to sums side by side: those at the beginning, and of those at the end the ones that are left.
-/// Processors do that without a loop.
+/// Sums N to twice N bytes: those at the beginning, and of those at the end the ones that are left. Processors do that
+/// without a loop.
 #[inline(always)]
-fn add_ends<const N: usize>(lanes: &mut [u8; N], bytes: &[u8]) {
+fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
     const MASKS: [[u8; BLOCK]; 2] = [[0; BLOCK], [0xFF; BLOCK]];
     let left = bytes.len().wrapping_sub(N);
-    let (Some(first), Some(last)) = (bytes.first_chunk(), bytes.last_chunk::<N>()) else { return };
-    let Some(masks) = MASKS.as_flattened().get(BLOCK.wrapping_sub(N).wrapping_add(left)..) else { return };
-    let Some(masks) = masks.first_chunk::<N>() else { return };
-    add_lanes(lanes, first);
-    for ((lane, byte), mask) in lanes.iter_mut().zip(last).zip(masks) {
-        *lane = lane.wrapping_add(byte & mask);
-    }
-}
-
-#[inline(always)]
-fn add_lanes<const N: usize>(lanes: &mut [u8; N], bytes: &[u8; N]) {
-    for (lane, byte) in lanes.iter_mut().zip(bytes) {
-        *lane = lane.wrapping_add(*byte);
-    }
-}
-
-#[inline(always)]
-fn total(lanes: &[u8]) -> u8 {
+    let (Some(first), Some(last)) = (bytes.first_chunk::<N>(), bytes.last_chunk::<N>()) else { return 0 };
+    let Some(masks) = MASKS.as_flattened().get(BLOCK.wrapping_sub(N).wrapping_add(left)..) else { return 0 };
+    let Some(masks) = masks.first_chunk::<N>() else { return 0 };
     let mut sum = 0_u8;
-    for lane in lanes {
-        sum = sum.wrapping_add(*lane);
+    // A loop: of a fold the compiler may make a call.
+    for ((first, last), mask) in first.iter().zip(last).zip(masks) {
+        sum = sum.wrapping_add(*first).wrapping_add(last & mask);
     }
     sum
 }
