@@ -125,6 +125,8 @@ const _: () = {
 /// ```
 pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
 
+type Send = unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int;
+
 /// Adds received bytes at the ring's end.
 ///
 /// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
@@ -259,14 +261,32 @@ unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c
     let (Some(sendfunc), false) = (sendfunc, msg.is_null()) else {
         return DP_RC_ERROR_GENERIC;
     };
-    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
-    // SAFETY: not NULL, so a message by the contract of dp_send; the slice is not used any more when sendfunc is
-    // called.
-    let encoded = unsafe {
-        let length = (*msg).data_s;
-        if !(0..=const { int(DP_DATA_MAX_SIZE) }).contains(&length) {
-            return DP_RC_ERROR_GENERIC;
+    // SAFETY: not NULL, so a message by the contract of dp_send.
+    let length = unsafe { (*msg).data_s };
+    if !(0..=const { int(DP_DATA_MAX_SIZE) }).contains(&length) {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: the same contract, and the length was looked at.
+    unsafe {
+        if FAST && length > 16 {
+            return send_long(msg, length, sendfunc, usr);
         }
+        send_of(msg, length, sendfunc, usr)
+    }
+}
+
+/// A payload of more than 16 bytes: its loops would cost registers in the way of the others.
+#[inline(never)]
+unsafe fn send_long(msg: *mut ProtocolMsg, length: c_int, sendfunc: Send, usr: *mut c_void) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { send_of(msg, length, sendfunc, usr) }
+}
+
+#[inline(always)]
+unsafe fn send_of(msg: *mut ProtocolMsg, length: c_int, sendfunc: Send, usr: *mut c_void) -> c_int {
+    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
+    // SAFETY: a message with such a payload; the slice is not used any more when sendfunc is called.
+    let encoded = unsafe {
         let payload = slice::from_raw_parts((&raw const (*msg).data).cast(), length.cast_unsigned() as usize);
         encode(Opcode((*msg).opcode), payload, &mut frame)
     };
