@@ -5,7 +5,7 @@ ALL_SIZES := $(shell sed -n 's/ ?= .*//p' src/sizes.mk)
 export $(ALL_SIZES)
 # Where the library, its symbolic links and its headers go: a path without spaces. Any number of sizes can be built
 # there one after the other.
-OUT              ?= target/release
+OUT ?= target/release
 
 # Rust's name of the machine to build for, when it is another one, and the prefix of its GNU binutils:
 # `make OUT=build/m0 DP_TARGET=thumbv6m-none-eabi CROSS_COMPILE=arm-none-eabi-`.
@@ -39,7 +39,7 @@ Q     := @
 QUIET := --quiet
 endif
 
-VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)
+VERSION := $(shell sed -n '/^version = /{s/.*"\(.*\)"/\1/p;q;}' Cargo.toml)
 SONAME  := libdeltarobot.so.$(firstword $(subst ., ,$(VERSION)))
 # What the library exports, of which the serial port is a part that can be left out.
 NAMES    = $(shell cat $(GENERATED)/exports.txt)
@@ -60,12 +60,14 @@ GENERATED := $(CARGO_DIR)/include/$(subst $(subst ,, ),_,$(foreach size,$(ALL_SI
 renew = if ! cmp -s $(1) $(2); then cp $(1) $(2).new && mv -f $(2).new $(2); fi
 
 HEADERS := $(patsubst include/%,%,$(wildcard include/*.h include/libdeltarobot/*.h))
+HEADERS := $(filter-out $(if $(SERIAL_EXPORTS),,%/serial.h),$(HEADERS))
 SHIPPED := $(STAGE)/libdeltarobot.a
 ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/libdeltarobot.so
 endif
 
-.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx bench coverage figures fuzz clean help FORCE
+.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx \
+    bench coverage figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -104,17 +106,19 @@ $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
 , := ,
 
 # Cargo's archive holds all of Rust's core library. Out of it comes one object with what the public functions need, in
-# which only they are global: nothing that a program's own functions, or another Rust library, could clash with. Rust's
-# bitcode goes, as some binutils read that instead of the code and fail. The serial port has an object of its own: only
-# programs that use it need what it needs.
+# which only they are global: nothing that a program's own functions, or another Rust library, could clash with. What
+# goes besides: Rust's bitcode, as some binutils read that instead of the code and fail; unwind tables, which would only
+# say "can't"; and on bare metal the note about the stack, because linkers would miss it in the firmware's own objects.
+# The serial port has an object of its own: only programs that use it need what it needs.
+# HELPERS is what firmware/build.sh has to add.
+HELPERS :=
 OBJECTS := $(STAGE)/deltarobot.o $(if $(SERIAL_EXPORTS),$(STAGE)/serial.o)
-$(STAGE)/deltarobot.linked.o $(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
-$(STAGE)/serial.linked.o $(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
-$(STAGE)/%.linked.o: $(STAGE)/cargo.a src/ffi/exports.txt Makefile
-	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $<
-	$(Q)$(OBJCOPY) -R .llvmbc -R .llvmcmd $@
-$(OBJECTS): %.o: %.linked.o
-	$(Q)$(OBJCOPY) --strip-unneeded $(OF_OBJECT:%=--keep-global-symbol=%) $< $@
+$(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
+$(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
+$(OBJECTS): $(STAGE)/cargo.a src/ffi/exports.txt Makefile
+	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $< $(HELPERS)
+	$(Q)$(OBJCOPY) -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' $(if $(findstring -none,$(DP_TARGET)),-R '.note*') \
+	    --strip-unneeded --keep-symbol='_[ZR]*' $(OF_OBJECT:%=--keep-global-symbol=%) $@
 $(STAGE)/libdeltarobot.a: $(OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcsD $@ $^
 $(STAGE)/libdeltarobot.so: $(STAGE)/cargo.so Makefile
@@ -130,7 +134,8 @@ header: ## renews include/, which holds the headers of the default sizes
 	@echo "header: include is up to date"
 
 doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen
-	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --features cli --target-dir target
+	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --features cli \
+	    --target-dir target
 	$(Q)mkdir -p target/doc/c && doxygen docs/Doxyfile
 	@echo "doc: target/doc/deltarobot/index.html for Rust, target/doc/c/html/index.html for C"
 
@@ -140,14 +145,15 @@ test: ## runs all tests; TESTFLAGS go to `cargo test`
 	@echo "test: passed"
 
 check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
-	$(Q)NM='$(NM)' READELF='$(CROSS_COMPILE)readelf' SHARED='$(SHARED)' SERIAL='$(SERIAL)' \
+	$(Q)NM='$(NM)' READELF='$(CROSS_COMPILE)readelf' SIZE='$(CROSS_COMPILE)size' SHARED='$(SHARED)' SERIAL='$(SERIAL)' \
 	    packaging/check-artifact.sh $(OUT) $(STAGE) $(VERSION) $(EXPORTS)
 
 # `sudo make install` often finds no cargo: then what was built before is installed, if it has these sizes.
 install: $(if $(shell command -v $(CARGO)),lib) ## installs below PREFIX; also DESTDIR, LIBDIR, INCLUDEDIR
 install uninstall:
 	$(Q)DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
-	    OUT='$(OUT)' VERSION='$(VERSION)' \
+	    OUT='$(OUT)' VERSION='$(VERSION)' HEADERS='$(HEADERS)' \
+	    SIZES='$(foreach size,$(ALL_SIZES),$(size)=$(strip $($(size))))' \
 	    packaging/install.sh $@
 uninstall: ## removes what install put there, given the same directories
 
@@ -176,7 +182,7 @@ demo-gx: $(addprefix $(STAGE)/demo/,demo gx-host gx-motion) ## the same with a h
 
 # Examples of a protocol, or what runs a pair of them.
 define example
-$(STAGE)/demo/$(2): examples/$(1) lib
+$(STAGE)/demo/$(2): examples/$(1) $(STAGE)/libdeltarobot.a | lib
 	$$(Q)mkdir -p $$(@D)
 	$$(Q)$$(CC) $$(CPPFLAGS) $$(CFLAGS) -I$$(OUT)/include -o $$@ $$< $$(LDFLAGS) $$(OUT)/libdeltarobot.a
 endef

@@ -166,7 +166,7 @@ fn nothing_is_made_again_when_nothing_has_changed() {
     let times = || {
         success(&sandbox.make(&["-j4"]));
         let time = |name| fs::metadata(out().join(name)).unwrap().modified().unwrap();
-        ["libdeltarobot.a", "libdeltarobot.so", "include/libdeltarobot/protocol.h", ".stage/serial.linked.o"].map(time)
+        ["libdeltarobot.a", "libdeltarobot.so", "include/libdeltarobot/protocol.h", ".stage/serial.o"].map(time)
     };
     assert_eq!(times(), times());
 }

@@ -12,16 +12,20 @@ export MCU
 firmware: ## builds the library for bare metal, TARGET=thumbv7em-none-eabihf for example
 	$(Q)test -n '$(TARGET)' || { echo "firmware: say which: TARGET=$(firstword $(FIRMWARE_TARGETS)), or one of" \
 	    "$(wordlist 2,9,$(FIRMWARE_TARGETS))" >&2; exit 2; }
-	+$(Q)CARGO='$(CARGO)' firmware/build.sh $(TARGET) target/firmware/$(TARGET)
-	@echo "firmware: libdeltarobot for $(TARGET) is in target/firmware/$(TARGET)"
+	+$(Q)MAKE='$(MAKE)' firmware/build.sh $(TARGET) target/firmware/$(TARGET)
 
+# With FIRMWARE_STRICT=1 a target that can't be built is an error.
 firmware-all: ## the same for all targets for which there is a toolchain
-	+$(Q)CARGO='$(CARGO)' firmware/all.sh $(FIRMWARE_TARGETS)
+	+$(Q)for target in $(FIRMWARE_TARGETS); do \
+	    if firmware/build.sh $$target; then \
+	        MAKE='$(MAKE)' firmware/build.sh $$target target/firmware/$$target || exit; \
+	    elif [ '$(FIRMWARE_STRICT)' = 1 ]; then exit 1; fi; \
+	done
 
 firmware-size: firmware-all ## prints flash and stack that each function takes on each target, and a whole sketch on AVR
-	$(Q)head=1; for target in $(FIRMWARE_TARGETS); do \
+	$(Q)for target in $(FIRMWARE_TARGETS); do \
 	    if firmware/build.sh $$target 2>/dev/null >&2; then \
-	        FIRMWARE_SIZE_HEAD=$$head firmware/size.sh $$target target/firmware/$$target || exit; head=0; \
+	        firmware/size.sh $$target target/firmware/$$target || exit; \
 	    fi; \
 	done
 	$(Q)if firmware/build.sh avr-none 2>/dev/null >&2; then \

@@ -10,7 +10,7 @@ archive=$2/libdeltarobot.a
 here=$(dirname "$0")
 # shellcheck disable=SC2046 # a list of words
 set -- $("$here/build.sh" "$target")
-prefix=${FIRMWARE_PREFIX-}
+prefix=
 for prefix; do :; done
 prefix=${prefix%gcc}
 
@@ -31,7 +31,13 @@ case $target in
 esac
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-echo 'SECTIONS { .text 0x1000 : { *(.text .text.*) } .rodata : { *(.rodata .rodata.*) } .data : { *(.data .data.* .bss .bss.*) } }' >"$work/ld"
+cat >"$work/ld" <<END
+SECTIONS {
+    .text 0x1000 : { *(.text .text.*) }
+    .rodata : { *(.rodata .rodata.*) }
+    .data : { *(.data .data.* .bss .bss.*) }
+}
+END
 
 # measure NAME FUNCTION...
 measure() {
@@ -46,15 +52,15 @@ measure() {
         address=$("${prefix}nm" "$work/elf" | awk -v fn="$fn" '$3 == fn { print $1 }')
         shown=$(sed -n "s/^$address <\(.*\)>:\$/\1/p" "$work/listing")
         one=$(awk -v fn="$shown" -v call=$call -f "$here/stack.awk" "$work/listing")
-        if [ "$one" -gt $stack ]; then stack=$one; fi
+        if [ "$one" -gt "$stack" ]; then stack=$one; fi
     done
     printf '%-28s %-24s %6s %8s %9s\n' "$target" "$name" "$bytes" "$stack" "${original:--}"
 }
 
-[ "${FIRMWARE_SIZE_HEAD-1}" = 0 ] || printf '%-28s %-24s %6s %8s %9s\n' target function bytes stack original
+printf '%-28s %-24s %6s %8s %9s\n' target function bytes stack original
 whole=$original
 original=
-for fn in dp_process dp_recv dp_send; do measure $fn $fn; done
+for fn in dp_process dp_recv dp_send; do measure "$fn" "$fn"; done
 original=$whole
 measure "these three" dp_process dp_recv dp_send
 original=

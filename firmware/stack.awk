@@ -1,6 +1,6 @@
-# Worst-case stack of each function in the output of `objdump -d`, in bytes, with all it calls but not the caller's callbacks
-# (calls through a pointer). A function's own part is the sum of all that it pushes and reserves, wherever that stands.
-# -v call=N: bytes that a call instruction pushes (2 or 3 on AVR).
+# Worst-case stack of a function (-v fn=NAME) in the output of `objdump -d`, in bytes, with all it calls but not the
+# caller's callbacks (calls through a pointer). A function's own part is the sum of all that it pushes and reserves,
+# wherever that stands. -v call=N: bytes that a call instruction pushes (2 or 3 on AVR).
 
 /^[0-9a-f]+ <.*>:$/ { name = $2; gsub(/[<>:]/, "", name); low = high = 0; next }
 name == "" { next }
@@ -29,7 +29,10 @@ op ~ /^(push|stmdb|vpush)/ && args ~ /\{/ && (op !~ /^stmdb/ || args ~ /^sp!/) {
 op ~ /^sub(\.w|w)?$/ && args ~ /^sp, (sp, )?#/ { sub(/.*#/, "", args); own[name] += args; next }
 op ~ /^str/ && args ~ /\[sp, #-[0-9]+\]!/ { sub(/.*#-/, "", args); own[name] += args + 0; next }
 # (Within a function bl is a far jump.)
-op ~ /^bl$|^blx$/ && /</ { if (target($0) == name && /\+0x[0-9a-f]+>/) next; calls[name] = calls[name] " " target($0); next }
+op ~ /^bl$|^blx$/ && /</ {
+    if (target($0) != name || !/\+0x[0-9a-f]+>/) calls[name] = calls[name] " " target($0)
+    next
+}
 op ~ /^b(\.[nw])?$/ && /</ { tail($0); next }
 
 # RISC-V

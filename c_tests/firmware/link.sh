@@ -6,7 +6,6 @@ target=$1
 lib=$2
 work=$3/link-$1
 here=$(dirname "$0")
-exports=$(grep -v ^dp_serial_ "$lib/exports.txt")
 
 # shellcheck disable=SC2046 # a list of words
 set -- $("$here/../../firmware/build.sh" "$target")
@@ -48,11 +47,6 @@ has() { "${prefix}nm" "$work/elf" | awk -v name="$1" '$3 == name { found = 1 } E
 sizes="-DDP_BUFSIZE=${DP_BUFSIZE:-128} -DDP_DATA_MAX_SIZE=${DP_DATA_MAX_SIZE:-32}"
 main="$work/main.o"
 start="-Wl,-e,main"
-
-# Only the public functions are there for others, and nothing is needed from them.
-[ "$("${prefix}nm" -g --defined-only "$lib/libdeltarobot.a" | awk 'NF == 3 { print $3 }' | sort | tr '\n' ' ')" = \
-    "$(echo "$exports" | sort | tr '\n' ' ')" ] || fail "the archive defines something else than the public functions"
-[ -z "$("${prefix}nm" -u "$lib/libdeltarobot.a" | grep ' U ')" ] || fail "the archive needs something"
 
 link "nothing else" "-DEVERYTHING" $nostdlib $start "$main" -ldeltarobot
 link "before the object" "-DEVERYTHING" $nostdlib $start -Wl,--whole-archive -ldeltarobot -Wl,--no-whole-archive "$main"
