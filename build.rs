@@ -174,13 +174,15 @@ fn exports(sizes: &[Size]) -> Result<String, Box<dyn Error>> {
 fn sizes_block(sizes: &[Size], family: &str) -> Result<String, Box<dyn Error>> {
     let sizes = || sizes.iter().filter(|size| size.name.starts_with(family));
     let mut text = String::from(
-        "/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */\n",
+        "/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its \
+         own. */\n",
     );
     for Size { name, value, .. } in sizes() {
         writeln!(text, "#if defined({name}) && ({name}) != {value}")?;
         writeln!(
             text,
-            "#error \"libdeltarobot was built with {name}={value}: build it again with the size that this program defines\"\n#endif"
+            "#error \"libdeltarobot was built with {name}={value}: build it again with the size that this program \
+             defines\"\n#endif"
         )?;
     }
     for Size { name, value, meaning } in sizes() {
