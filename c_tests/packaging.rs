@@ -13,7 +13,7 @@ use crate::support::{STRICT, c_tests, compiler, has_tool, root, run, text};
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What the consumer prints when it was built for the default sizes.
-const DEFAULT: &str = concat!(env!("CARGO_PKG_VERSION"), " 128 32\n");
+const DEFAULT: &str = concat!(env!("CARGO_PKG_VERSION"), " 128 32 8\n");
 
 /// One test at a time, as all of them let cargo work in one directory: compiling the generator of the headers
 /// takes most of the time.
@@ -240,9 +240,12 @@ fn install_without_cargo_takes_what_was_built_for_these_sizes_or_nothing() {
     };
     success(&install("same", &[]));
     assert_eq!(files(&sandbox.path("same")), installed("lib", "include"));
-    let output = install("other", &["DP_BUFSIZE=256"]);
-    assert!(!output.status.success() && text(&output).contains("no library for 256/32"), "{}", text(&output));
-    assert_eq!(files(&sandbox.path("other")), BTreeSet::new());
+    for size in ["DP_BUFSIZE=256", "OLP_LINE_MAX=100", "GX_WINDOW_MAX=1"] {
+        let output = install("other", &[size]);
+        let because = format!("no library with {size}");
+        assert!(!output.status.success() && text(&output).contains(&because), "{}", text(&output));
+        assert_eq!(files(&sandbox.path("other")), BTreeSet::new());
+    }
 }
 
 /// Builds the consumer by what pkg-config says and runs it, from C and from C++, statically and shared.
@@ -281,8 +284,14 @@ fn pkg_config() {
     let sandbox = Sandbox::new("pkg-config");
     let prefix = sandbox.install("prefix", &[]);
     pkg_config_consumers(&sandbox, &prefix, DEFAULT);
-    let prefix = sandbox.install("other sizes", &["DP_BUFSIZE=512", "DP_DATA_MAX_SIZE=255"]);
-    pkg_config_consumers(&sandbox, &prefix, &format!("{VERSION} 512 255\n"));
+    let prefix = sandbox.install("other sizes", &["DP_BUFSIZE=512", "DP_DATA_MAX_SIZE=255", "OLP_WINDOW_MAX=3"]);
+    pkg_config_consumers(&sandbox, &prefix, &format!("{VERSION} 512 255 3\n"));
+    let sizes = [("dp_bufsize", "512\n"), ("olp_window_max", "3\n"), ("gx_window_max", "16\n")];
+    for (size, value) in sizes {
+        let mut pkg_config = tool("pkg-config");
+        pkg_config.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+        assert_eq!(success(&run(pkg_config.arg(format!("--variable={size}")).arg("deltarobot"))), value);
+    }
 }
 
 #[test]
@@ -291,7 +300,7 @@ fn find_package() {
         return;
     }
     let sandbox = Sandbox::new("find_package");
-    let installed = sandbox.install("installed here", &["DP_BUFSIZE=64"]);
+    let installed = sandbox.install("installed here", &["DP_BUFSIZE=64", "GX_QUEUE_MAX=5"]);
     // The whole tree can be moved.
     let prefix = sandbox.path("and moved");
     fs::rename(installed, &prefix).unwrap();
@@ -299,15 +308,16 @@ fn find_package() {
     for language in ["C", "CXX"] {
         for target in ["deltarobot::deltarobot", "deltarobot::shared"] {
             let printed = sandbox.cmake(language, target, &["-DHOW=find_package", "-DWANTED_VERSION=1.0", &prefix]);
-            assert_eq!(printed, format!("{VERSION} 64 32\n"));
+            assert_eq!(printed, format!("{VERSION} 64 32 8\n"));
         }
     }
-    for version in ["2.0", "0.9", "1.999"] {
+    for version in ["1.0", "2.0", "0.9", "1.999"] {
         let build = sandbox.path(version);
         let source = c_tests().join("packaging");
         let settings = ["-DHOW=find_package", "-DLANGUAGE=C", &prefix, &format!("-DWANTED_VERSION={version}")];
         let output = run(tool("cmake").arg("-S").arg(source).arg("-B").arg(build).args(settings));
-        assert!(!output.status.success(), "{VERSION} was taken for {version}");
+        assert_eq!(output.status.success(), version == "1.0", "{VERSION} for {version}: {}", text(&output));
+        assert_eq!(text(&output).contains("GX_QUEUE_MAX is 5\n"), version == "1.0", "{}", text(&output));
     }
 }
 
@@ -322,8 +332,8 @@ fn add_subdirectory() {
         let how = ["-DHOW=add_subdirectory", &tree];
         assert_eq!(sandbox.cmake(language, target, &how), DEFAULT);
         // In the same build directory: everything that depends on the sizes is built again.
-        let how = ["-DHOW=add_subdirectory", &tree, "-DDP_BUFSIZE=300", "-DDP_DATA_MAX_SIZE=255"];
-        assert_eq!(sandbox.cmake(language, target, &how), format!("{VERSION} 300 255\n"));
+        let how = ["-DHOW=add_subdirectory", &tree, "-DDP_BUFSIZE=300", "-DDP_DATA_MAX_SIZE=255", "-DOLP_WINDOW_MAX=2"];
+        assert_eq!(sandbox.cmake(language, target, &how), format!("{VERSION} 300 255 2\n"));
     }
 }
 
@@ -337,7 +347,7 @@ fn add_subdirectory_with_ninja() {
     assert_eq!(sandbox.cmake("C", "deltarobot", &how), DEFAULT);
     assert_eq!(
         sandbox.cmake("C", "deltarobot", &[&how[..], &["-DDP_BUFSIZE=64"]].concat()),
-        format!("{VERSION} 64 32\n")
+        format!("{VERSION} 64 32 8\n")
     );
     // Everything is there: nothing but the question to cargo.
     let again = success(&run(tool("cmake").arg("--build").arg(sandbox.path("build-C-deltarobot"))));
@@ -379,4 +389,18 @@ fn cmake_installs_what_make_installs() {
     success(&run(tool("cmake").arg("-S").arg(root()).arg("-B").arg(&build).arg(prefix)));
     success(&run(tool("cmake").arg("--build").arg(&build).args(["--target", "install"])));
     assert_eq!(files(&sandbox.path("prefix")), installed("lib", "include"));
+}
+
+/// The package that cargo makes holds the whole tree, so that what resolves here resolves there.
+#[test]
+fn links_in_the_documentation_lead_somewhere() {
+    let docs = files(&root().join("docs")).into_iter().map(|page| format!("docs/{page}"));
+    for page in docs.chain(["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(String::from)) {
+        let path = root().join(page);
+        let text = fs::read_to_string(&path).unwrap();
+        for link in text.split("](").skip(1).map(|rest| rest.split([')', '#']).next().unwrap()) {
+            let there = link.is_empty() || link.contains("://") || path.with_file_name(link).exists();
+            assert!(there, "{}: {link}", path.display());
+        }
+    }
 }

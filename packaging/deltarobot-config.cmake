@@ -8,9 +8,7 @@ get_filename_component(_deltarobot_here "${CMAKE_CURRENT_LIST_DIR}" REALPATH)
 get_filename_component(_deltarobot_prefix "@CMAKE_PREFIX@" ABSOLUTE)
 get_filename_component(_deltarobot_libdir "${_deltarobot_here}/../.." ABSOLUTE)
 
-# The sizes that the library was built for.
-set(deltarobot_DP_BUFSIZE @DP_BUFSIZE@)
-set(deltarobot_DP_DATA_MAX_SIZE @DP_DATA_MAX_SIZE@)
+# The sizes that the library was built for.@CMAKE_SIZES@
 
 add_library(deltarobot::deltarobot STATIC IMPORTED)
 set_target_properties(deltarobot::deltarobot PROPERTIES

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what `make` has built, or removes it: `install.sh install|uninstall`, called by `make install|uninstall`,
 # which sets the variables. Directories may contain spaces.
+# shellcheck disable=SC2153 # those in capitals are the Makefile's
 set -eu
 
 # absolute DIRECTORY: the same, from /, without slashes at its end.
@@ -46,12 +47,21 @@ escaped() {
     printf %s "$1" | sed 's/[\\&|]/\\&/g'
 }
 
+# The sizes as the lines of a file, behind one another in a replacement of sed's.
+pc_sizes='' cmake_sizes=''
+for size in $SIZES; do
+    pc_sizes="$pc_sizes\\
+$(printf %s "${size%%=*}" | tr '[:upper:]' '[:lower:]')=${size#*=}"
+    cmake_sizes="$cmake_sizes\\
+set(deltarobot_${size%%=*} ${size#*=})"
+done
+
 # template FILE DIRECTORY VARIABLE: the file in packaging/ with its placeholders filled in; the variable holds the
 # prefix in that file.
 template() {
     mkdir -p "$DESTDIR$2"
     sed -e "s|@VERSION@|$VERSION|g" -e "s|@MAJOR@|$major|g" \
-        -e "s|@DP_BUFSIZE@|$DP_BUFSIZE|g" -e "s|@DP_DATA_MAX_SIZE@|$DP_DATA_MAX_SIZE|g" \
+        -e "s|@PC_SIZES@|$pc_sizes|" -e "s|@CMAKE_SIZES@|$cmake_sizes|" \
         -e "s|@PREFIX@|$(escaped "$prefix")|g" -e "s|@CMAKE_PREFIX@|$(escaped "$cmake_prefix")|g" \
         -e "s|@LIBDIR@|$(escaped "$(below "$libdir" "$3")")|g" \
         -e "s|@INCLUDEDIR@|$(escaped "$(below "$includedir" "$3")")|g" \
@@ -61,20 +71,22 @@ template() {
 
 # The prefix as the CMake files find it: so many directories above their own.
 case $cmake/ in
-    "$prefix"/*) cmake_prefix=\${_deltarobot_here}$(printf %s "${cmake#"$prefix"}" | sed 's,[^/][^/]*,..,g') ;;
+    "$prefix"/*) cmake_prefix="\${_deltarobot_here}"$(printf %s "${cmake#"$prefix"}" | sed 's,[^/][^/]*,..,g') ;;
     *) cmake_prefix=$prefix ;;
 esac
 
 case $1 in
     install)
         # Without cargo, what is there may be anything.
-        if ! grep -qs "_${DP_BUFSIZE}_$DP_DATA_MAX_SIZE\"" "$OUT/include/libdeltarobot/protocol.h" ||
-            [ ! -e "$OUT/libdeltarobot.a" ]; then
-            echo "install: $OUT has no library for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes; build it with make first" >&2
-            exit 1
-        fi
-        for header in include/*.h include/libdeltarobot/*; do
-            put 644 "$OUT/$header" "$(dirname "$includedir${header#include}")"
+        for size in $SIZES; do
+            if ! grep -qsx "#define ${size%%=*} ${size#*=}" "$OUT"/include/libdeltarobot/*.h ||
+                [ ! -e "$OUT/libdeltarobot.a" ]; then
+                echo "install: $OUT has no library with $size; build it with make first" >&2
+                exit 1
+            fi
+        done
+        for header in $HEADERS; do
+            put 644 "$OUT/include/$header" "$(dirname "$includedir/$header")"
         done
         put 644 "$OUT/libdeltarobot.a" "$libdir"
         if [ -e "$OUT/libdeltarobot.so.$VERSION" ]; then
@@ -85,11 +97,11 @@ case $1 in
         template deltarobot.pc "$pkgconfig" prefix
         template deltarobot-config.cmake "$cmake" _deltarobot_prefix
         template deltarobot-config-version.cmake "$cmake" _deltarobot_prefix
-        echo "install: libdeltarobot $VERSION for $DP_BUFSIZE/$DP_DATA_MAX_SIZE bytes is in $DESTDIR$libdir"
+        echo "install: libdeltarobot $VERSION is in $DESTDIR$libdir"
         ;;
     uninstall)
-        for header in include/*.h include/libdeltarobot/*; do
-            rm -f "$DESTDIR$includedir${header#include}"
+        for header in $HEADERS; do
+            rm -f "$DESTDIR$includedir/$header"
         done
         for file in .a .so ".so.$major" ".so.$VERSION"; do
             rm -f "$DESTDIR$libdir/libdeltarobot$file"

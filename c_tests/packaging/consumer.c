@@ -1,4 +1,5 @@
-/* Uses the library and prints which version and sizes it got. C, and by consumer.cpp C++. */
+/* Uses the library and prints which version and sizes it got: ring, payload, window of the line protocol. C, and by consumer.cpp C++. */
+#include "libdeltarobot/line_host.h"
 #include "libdeltarobot/protocol.h"
 #include "libdeltarobot/protocol_ext.h"
 
@@ -20,6 +21,6 @@ int main(void)
     msg.opcode = 0;
     if (dp_recv(&ring, &msg) != DP_RC_SUCCESS || msg.opcode != DP_OPCODE_STATUS || msg.data_s != 0)
         return 2;
-    printf("%s %d %d\n", dp_version(), (int)sizeof ring.m_buf, (int)sizeof msg.data);
+    printf("%s %d %d %d\n", dp_version(), (int)sizeof ring.m_buf, (int)sizeof msg.data, OLP_WINDOW_MAX);
     return 0;
 }
