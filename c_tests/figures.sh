@@ -2,7 +2,7 @@
 # Prints sizes, speeds and coverage as one page of Markdown: figures.sh LIBDIR WORKDIR [BUFSIZE DATA_MAX]. Called by
 # `make figures`, which has built the library in LIBDIR and, below target/firmware, those for bare metal.
 set -eu
-lib=$1 work=$2
+work=$2
 here=$(dirname "$0")
 mkdir -p "$work"
 

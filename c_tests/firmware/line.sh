@@ -54,11 +54,11 @@ if [ "$what" = size ]; then
             deepest=0
             for fn in setswitch send_line; do
                 more=$(worst "$elf" $fn)
-                [ "$more" -le $deepest ] || deepest=$more
+                [ "$more" -le "$deepest" ] || deepest=$more
             done
             stack=$((stack + call + deepest))
         fi
-        row "${row%%:*}" "$elf" $stack
+        row "${row%%:*}" "$elf" "$stack"
     done
     printf '%-44s %8d %8d\n' "the controller has" $((flash + 1)) $((end - start + 1))
     exit 0

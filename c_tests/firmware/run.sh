@@ -90,8 +90,8 @@ if [ "$what" = test ]; then
     fi
     for program in $programs; do
         for variant in polled interrupt; do
-            elf=$(build avr-none $variant $program "" BOARD=avr "MCU=$mcu")
-            on "$program, $variant" $program 10000 "$out/simavr_run $mcu $elf"
+            elf=$(build avr-none "$variant" "$program" "" BOARD=avr "MCU=$mcu")
+            on "$program, $variant" "$program" 10000 "$out/simavr_run $mcu $elf"
         done
     done
     "$tests/line.sh" test "$root/target/firmware/avr-none" "$out"
