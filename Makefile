@@ -158,18 +158,21 @@ install uninstall:
 uninstall: ## removes what install put there, given the same directories
 
 # Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes
-# are always the default ones.
-cli: ## builds the program `deltarobot` into $(OUT)
+# are always the default ones. In a directory of its own: cargo would take its library and the shipped one, of other
+# features, for the same file, and compile both anew each time.
+CLI_DIR := $(CARGO_DIR)/cli
+cli: ## builds the program `deltarobot`
 	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release --features cli \
-	    --bin deltarobot --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
-	$(Q)$(call renew,$(BUILT)/deltarobot,$(OUT)/deltarobot)
+	    --bin deltarobot --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
+	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot,$(OUT)/deltarobot)
 	@echo "cli: $(OUT)/deltarobot"
 
 install-cli: $(if $(shell command -v $(CARGO)),cli) ## installs the program in BINDIR, below PREFIX
 	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot '$(DESTDIR)$(BINDIR)/deltarobot'
 	@echo "install-cli: deltarobot is in $(DESTDIR)$(BINDIR)"
-uninstall-cli: ## removes it from there
+uninstall-cli: ## removes the program from there
 	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot'
+	@echo "uninstall-cli: deltarobot is gone from $(DESTDIR)$(BINDIR)"
 
 demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
 	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host $(OUT)/deltarobot sim
@@ -217,6 +220,7 @@ clean: ## removes what was built
 
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-17s %s\n", $$1, $$2 }'
-	@echo "Variables: $(ALL_SIZES) OUT DP_TARGET CROSS_COMPILE PREFIX LIBDIR INCLUDEDIR DESTDIR V=1"
+	@echo "Sizes: $(ALL_SIZES)"
+	@echo "Others: OUT DP_TARGET CROSS_COMPILE SHARED SERIAL PREFIX LIBDIR INCLUDEDIR BINDIR DESTDIR CARGO CC CFLAGS V=1"
 
 include firmware/firmware.mk
