@@ -497,6 +497,20 @@ unsafe fn device_of<'a>(table: &'a DeviceTable, asked: Value) -> Option<&'a [u8]
     unsafe { devices(table).iter().filter_map(|info| text_of(info.id)).find(|id| asked.is(id)) }
 }
 
+/// The command that is meant, if there is one.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn command_of<'a>(table: &'a DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        commands_of(table).iter().find(|command| {
+            text_of(command.id).is_none_or(|own| id.is(own)) && text_of(command.name).is_some_and(|own| name.is(own))
+        })
+    }
+}
+
 /// The id of the first device.
 ///
 /// # Safety
@@ -597,7 +611,9 @@ unsafe fn serve(device: *mut Device, now: u32) -> c_int {
         if let Some(fault) = fault {
             tell(device, &Own::Fault(fault, None, first_id(table)));
         }
-        (*device).input.release();
+        if (*device).serving != 0 {
+            (*device).input.release();
+        }
         rc
     }
 }
@@ -612,33 +628,30 @@ unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c
     unsafe {
         let table = (*device).table;
         let asked = message.get(b"id").unwrap_or_default();
-        let Some(id) = device_of(&*table, asked) else {
-            let id = Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default();
-            tell(device, &Own::Ack(request, id));
-            tell(device, &Own::Fault(Fault::UnknownId, Some(request), id));
-            return OLP_RC_SUCCESS;
-        };
-        if is_setup(message) {
+        let known = device_of(&*table, asked);
+        let id = known.unwrap_or_else(|| Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default());
+        let sets_up = known.is_some() && is_setup(message);
+        if sets_up {
             (*device).link.change_setup(message);
-            tell(device, &Own::Ack(request, id));
-            tell(device, &Own::SetupAnswer(message, id));
-            return OLP_RC_SUCCESS;
         }
         tell(device, &Own::Ack(request, id));
-        if let Some(again) = (*device).link.repeated(request) {
-            let (line, length) = (again.as_ptr(), again.len());
-            send(device, line, length);
+        if (*device).serving == 0 {
+            // It began anew meanwhile: the line is of another connection.
             return OLP_RC_SUCCESS;
         }
-        let command = commands_of(&*table).iter().find(|command| {
-            text_of(command.id).is_none_or(|own| asked.is(own))
-                && text_of(command.name).is_some_and(|name| message.command().is(name))
-        });
-        let Some(command) = command else {
+        if known.is_none() {
+            tell(device, &Own::Fault(Fault::UnknownId, Some(request), id));
+        } else if sets_up {
+            tell(device, &Own::SetupAnswer(message, id));
+        } else if let Some(again) = (*device).link.repeated(request) {
+            let (line, length) = (again.as_ptr(), again.len());
+            send(device, line, length);
+        } else if let Some(command) = command_of(&*table, asked, message.command()) {
+            return execute(device, command, message, request, id);
+        } else {
             tell(device, &Own::Fault(Fault::UnknownCommand, Some(request), id));
-            return OLP_RC_SUCCESS;
-        };
-        execute(device, command, message, request, id)
+        }
+        OLP_RC_SUCCESS
     }
 }
 
@@ -675,7 +688,6 @@ unsafe fn execute(device: *mut Device, command: &Command, message: &Message, req
         };
         let (line, fault) = (*device).link.finish(request, id, written);
         let (line, length) = (line.as_ptr(), line.len());
-        (*device).input.release();
         send(device, line, length);
         match fault {
             Some(Fault::TooLong) if answer.error == OLP_RC_SUCCESS => OLP_RC_TOO_LONG,

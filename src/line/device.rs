@@ -110,7 +110,7 @@ impl DeviceLink {
 
     /// It is `now`, in milliseconds: to be told before anything else that happens then.
     pub fn tick(&mut self, now: u32) {
-        self.answers.tick(now);
+        self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
     }
 
     /// Whether a line is a command that was received intact, and executed before.
@@ -139,8 +139,7 @@ impl DeviceLink {
         count(&mut self.health.commands);
         let mut place = None;
         if let Some(t) = t {
-            let span = span(self.repeat_ms, REPEAT_MS);
-            place = self.answers.find(t, sum, self.setup.window(), now, span);
+            place = self.answers.find(t, sum, self.setup.window(), now);
             let steps = t.wrapping_add(1).wrapping_sub(self.next);
             if place.is_some() {
                 count(&mut self.health.repeats);

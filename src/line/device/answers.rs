@@ -55,11 +55,17 @@ impl Answers {
     }
 
     /// It is `now`: to be told before anything else that happens then, so that time spent in executing a command does
-    /// not count as time since.
-    pub fn tick(&mut self, now: u32) {
+    /// not count as time since. What was executed or repeated last `span` milliseconds ago is forgotten, before the
+    /// clock comes round.
+    pub fn tick(&mut self, now: u32, span: u32) {
         if self.fresh != 0 {
             self.fresh = 0;
             self.newest_slot().since = stamp(now);
+        }
+        for slot in &mut self.slots {
+            if left(now, slot.since, span) == 0 {
+                slot.length = 0;
+            }
         }
     }
 
@@ -72,17 +78,12 @@ impl Answers {
         }
     }
 
-    /// Where the answer to a command is, if that is one of the last `window` and was executed or repeated last less
-    /// than `span` milliseconds ago.
-    pub fn find(&mut self, t: u8, sum: u16, window: u8, now: u32, span: u32) -> Option<usize> {
+    /// Where the answer to a command is, if that is one of the last `window` and not forgotten. It is repeated `now`.
+    pub fn find(&mut self, t: u8, sum: u16, window: u8, now: u32) -> Option<usize> {
         let newest = usize::from(self.newest);
         let (place, slot) = self.slots.iter_mut().enumerate().find(|(place, slot)| {
             let later = newest.checked_sub(*place).unwrap_or(newest.wrapping_add(OLP_WINDOW_MAX).wrapping_sub(*place));
-            later < usize::from(window)
-                && slot.length != 0
-                && slot.t == t
-                && slot.sum == c_uint::from(sum)
-                && left(now, slot.since, span) != 0
+            later < usize::from(window) && slot.length != 0 && slot.t == t && slot.sum == c_uint::from(sum)
         })?;
         slot.since = stamp(now);
         Some(place)
@@ -142,8 +143,9 @@ mod tests {
         answers.keep(t, sum, text.len());
     }
 
-    fn found(answers: &mut Answers, t: u8, sum: u16, window: u8, now: u32, span: u32) -> Option<Vec<u8>> {
-        let place = answers.find(t, sum, window, now, span)?;
+    fn found(answers: &mut Answers, t: u8, sum: u16, window: u8, now: u32) -> Option<Vec<u8>> {
+        answers.tick(now, SPAN);
+        let place = answers.find(t, sum, window, now)?;
         answers.get(place).map(<[u8]>::to_vec)
     }
 
@@ -153,16 +155,16 @@ mod tests {
             let mut answers = Answers::new();
             for t in 0..100 {
                 keep(&mut answers, t, 7, &[t]);
-                answers.tick(1000);
+                answers.tick(1000, SPAN);
                 for old in 0..=t {
                     let kept = t - old < window;
-                    let answer = found(&mut answers, old, 7, window, 1000, SPAN);
+                    let answer = found(&mut answers, old, 7, window, 1000);
                     assert_eq!(answer, kept.then_some([old].to_vec()), "{old} at {t}, {window}");
                 }
-                assert_eq!(found(&mut answers, t, 8, window, 1000, SPAN), None);
+                assert_eq!(found(&mut answers, t, 8, window, 1000), None);
             }
             answers.forget();
-            assert_eq!(found(&mut answers, 99, 7, window, 1000, SPAN), None);
+            assert_eq!(found(&mut answers, 99, 7, window, 1000), None);
         }
     }
 
@@ -171,13 +173,14 @@ mod tests {
         let mut answers = Answers::new();
         keep(&mut answers, 1, 2, b"x");
         // It took longer than answers are kept.
-        answers.tick(50_000);
-        answers.tick(51_000);
+        answers.tick(50_000, SPAN);
+        answers.tick(51_000, SPAN);
         for now in [52_999, 55_998, 58_997] {
-            assert_eq!(found(&mut answers, 1, 2, 1, now, SPAN), Some(b"x".to_vec()), "{now}");
+            assert_eq!(found(&mut answers, 1, 2, 1, now), Some(b"x".to_vec()), "{now}");
         }
-        assert_eq!(found(&mut answers, 1, 2, 1, 61_997, SPAN), None);
-        assert_eq!(found(&mut answers, 1, 2, 1, u32::MAX, SPAN), None);
+        assert_eq!(found(&mut answers, 1, 2, 1, 61_997), None);
+        // Not even when the clock has come round.
+        assert_eq!(found(&mut answers, 1, 2, 1, 58_997), None);
     }
 
     #[test]
@@ -191,10 +194,10 @@ mod tests {
                 answers.age(next, steps);
                 next = next.wrapping_add(steps);
                 age += u16::from(steps);
-                assert_eq!(found(&mut answers, 250, 2, 1, 0, SPAN), Some(b"x".to_vec()), "{age}");
+                assert_eq!(found(&mut answers, 250, 2, 1, 0), Some(b"x".to_vec()), "{age}");
             }
             answers.age(next, steps);
-            assert_eq!(found(&mut answers, 250, 2, 1, 0, SPAN), None);
+            assert_eq!(found(&mut answers, 250, 2, 1, 0), None);
         }
     }
 
@@ -204,10 +207,10 @@ mod tests {
         answers.newest = 255;
         answers.fresh = 9;
         answers.slots[0].length = 255;
-        answers.tick(1);
-        let _ = found(&mut answers, 0, 0, 255, 0, SPAN);
+        answers.tick(1, SPAN);
+        let _ = found(&mut answers, 0, 0, 255, 0);
         keep(&mut answers, 1, 2, b"y");
-        answers.tick(0);
-        assert_eq!(found(&mut answers, 1, 2, 255, 0, SPAN), Some(b"y".to_vec()));
+        answers.tick(0, SPAN);
+        assert_eq!(found(&mut answers, 1, 2, 255, 0), Some(b"y".to_vec()));
     }
 }
