@@ -272,10 +272,10 @@ impl Host {
     /// for the rest. `now` is when they came.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
         let session = &mut self.session;
-        session.heard_at = stamp(now);
         session.release();
         let mut taken = 0;
         if session.held == 0 {
+            session.heard_at = stamp(now);
             let received;
             (taken, received) = self.receiver.take(input);
             match received {
@@ -362,6 +362,17 @@ mod tests {
     use std::format;
     use std::string::String;
     use std::vec::Vec;
+
+    #[test]
+    fn a_line_came_when_it_was_taken() {
+        let mut host = Host::new(Settings::new());
+        host.send(b"c=set", b"x").unwrap();
+        host.output(&mut [0; COMMAND_MAX], COMMAND_MAX, 20);
+        host.receive(b"c=set_resp&id=x\n", 30);
+        assert_eq!(host.receive(b"c=later\n", 90), 0);
+        host.poll(100);
+        assert_eq!(host.health().rtt_last, 10);
+    }
 
     /// All that a session tells and sends when these bytes come in pieces.
     fn told(pieces: &[&[u8]]) -> Vec<String> {

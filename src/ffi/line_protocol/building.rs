@@ -200,9 +200,9 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
 /// zero byte stands behind it where the buffer has room for one.
 ///
-/// Returns the length of the line, its line feed counted; or, the first byte of the buffer then being zero, if it has
-/// one, minus what the first call for this line returned that failed, -`OLP_RC_TOO_LONG` when checksum and line feed do
-/// not fit, or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
+/// Returns the length of the line, its line feed counted; or minus what the first call for this line returned that
+/// failed, or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is
+/// zero then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
 ///
 /// ```c
 /// int length = olp_finish(&encoder, 1);
@@ -248,17 +248,13 @@ unsafe fn begin(
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
     *encoder = LineEncoder { buf, cap: cap.min(limit), length: 0, error: OLP_RC_ERROR_GENERIC };
     // SAFETY: as the contract of this function asks.
-    let (Some(room), Some(command), false) =
-        (unsafe { (room_of(buf.cast(), cap.min(limit.saturating_add(1))), text_of(command), buf.is_null()) })
-    else {
-        return OLP_RC_ERROR_GENERIC;
-    };
+    let (room, command) = unsafe { (room_of(buf.cast(), cap.min(limit.saturating_add(1))), text_of(command)) };
     // From here on these are bytes that can be read, and those behind the line are zero.
-    for place in room {
+    for place in room.unwrap_or_default() {
         place.write(0);
     }
     // SAFETY: as the contract of this function asks.
-    if let Some(room) = unsafe { room_for(encoder) } {
+    if let (Some(room), Some(command)) = (unsafe { room_for(encoder) }, command) {
         keep(encoder, &Encoder::begin(room, command));
     }
     encoder.error
