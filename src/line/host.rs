@@ -79,7 +79,6 @@ use crate::config::OLP_WINDOW_MAX;
 use crate::counter::count;
 pub use counter::{Counter, Recent};
 pub use event::{Dropped, Event, Outcome};
-use event::{TELL_MALFORMED, TELL_OVERLONG};
 pub use health::Health;
 use settings::Told;
 pub use settings::{Link, Settings};
@@ -297,34 +296,22 @@ impl Host {
     pub fn poll(&mut self, now: u32) -> Option<Event<'_>> {
         let Self { receiver, session } = self;
         let line = receiver.line(usize::try_from(session.held).unwrap_or_default());
-        if let Some(happened) = session.next_to_tell() {
-            return session.event(happened, line);
-        }
-        if session.held != 0 && session.understood == 0 {
+        let mut happened = session.next_to_tell();
+        if happened.is_none() && session.held != 0 && session.understood == 0 {
             session.understood = 1;
-            match Message::parse(line) {
-                _ if session.held < 0 => {
-                    count(&mut session.health.overlong);
-                    session.tell |= TELL_OVERLONG;
-                }
-                Ok(message) => session.understand(&message, now),
-                Err(_) => {
-                    count(&mut session.health.malformed);
-                    session.tell |= TELL_MALFORMED;
-                }
-            }
-            if let Some(happened) = session.next_to_tell() {
-                return session.event(happened, line);
-            }
+            session.look_at(line, now);
+            happened = session.next_to_tell();
         }
-        session.release();
-        // What was received already may end what would time out.
-        if session.partial == 0 {
-            session.look_at_the_time(now);
+        if happened.is_none() {
+            session.release();
+            // What was received already may end what would time out.
+            if session.partial == 0 {
+                session.look_at_the_time(now);
+            }
+            session.partial = 0;
+            happened = session.next_to_tell();
         }
-        session.partial = 0;
-        let happened = session.next_to_tell()?;
-        session.event(happened, &[])
+        session.event(happened?, line)
     }
 
     /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none. To be

@@ -1,15 +1,32 @@
 //! What a line from the device means.
 
-use super::event::{TELL_ACKED, TELL_ENDED, TELL_ERROR, TELL_LINE, TELL_LINKSETUP, TELL_LOST, TELL_WELCOME};
+use core::ffi::{c_int, c_uint, c_ulong};
+
+use super::event::{
+    TELL_ACKED, TELL_ENDED, TELL_ERROR, TELL_LINE, TELL_LINKSETUP, TELL_LOST, TELL_MALFORMED, TELL_OVERLONG,
+    TELL_WELCOME,
+};
 use super::{Link, Message, Outcome, Session, Slot};
 use crate::counter::count;
 use crate::line::Value;
-
-use core::ffi::{c_int, c_uint, c_ulong};
+use crate::line::message::same;
 
 impl Session {
+    /// Deals with the line that was received.
+    pub(super) fn look_at(&mut self, line: &[u8], now: u32) {
+        if self.held < 0 {
+            count(&mut self.health.overlong);
+            self.tell |= TELL_OVERLONG;
+        } else if let Ok(message) = Message::parse(line) {
+            self.understand(&message, now);
+        } else {
+            count(&mut self.health.malformed);
+            self.tell |= TELL_MALFORMED;
+        }
+    }
+
     /// Draws the conclusions from a line.
-    pub(super) fn understand(&mut self, message: &Message<'_>, now: u32) {
+    fn understand(&mut self, message: &Message<'_>, now: u32) {
         count(&mut self.health.lines);
         let name = message.command();
         if name.is(b"ack") {
@@ -235,7 +252,7 @@ fn is_torn(message: &Message<'_>) -> bool {
 
 /// The last parameter of a name: the link's own are behind the others.
 fn last<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
-    message.params().filter(|param| param.name.iter().eq(name)).last().map(|param| param.value)
+    message.params().filter(|param| same(param.name, name)).last().map(|param| param.value)
 }
 
 fn same_setup(one: &Link, other: &Link) -> bool {
