@@ -32,9 +32,11 @@ const HEADERS: [(&str, &str, &[&str]); 13] = [
         "libdeltarobot/line_protocol.h",
         "line_protocol",
         &[
-            "src/ffi/line_protocol/reading.rs",
-            "src/ffi/line_protocol/building.rs",
-            "src/ffi/line_protocol/receiving.rs",
+            "src/ffi/line_protocol/checksum.rs",
+            "src/ffi/line_protocol/message.rs",
+            "src/ffi/line_protocol/value.rs",
+            "src/ffi/line_protocol/encoder.rs",
+            "src/ffi/line_protocol/receiver.rs",
             "src/line/receiver.rs",
         ],
     ),
@@ -42,6 +44,7 @@ const HEADERS: [(&str, &str, &[&str]); 13] = [
         "libdeltarobot/line_host.h",
         "line_host",
         &[
+            "src/ffi/line_host/event.rs",
             "src/line/host.rs",
             "src/line/host/counter.rs",
             "src/line/host/table.rs",

@@ -90,9 +90,24 @@ extern "C" {
 
 
 /**
- * There is no room.
+ * Longest id that a device in the table may have.
  */
-#define OLP_RC_OVERFLOW 3
+#define OLP_HOST_ID_MAX 15
+
+/**
+ * Longest type of a device that is kept whole.
+ */
+#define OLP_HOST_TYPE_MAX 47
+
+/**
+ * Longest name of a device that is kept whole.
+ */
+#define OLP_HOST_NAME_MAX 31
+
+/**
+ * Longest version of a device that is kept whole.
+ */
+#define OLP_HOST_VERSION_MAX 15
 
 /**
  * Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
@@ -164,26 +179,6 @@ extern "C" {
  * Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
  */
 #define OLP_HOST_NOT_SENT 5
-
-/**
- * Longest id that a device in the table may have.
- */
-#define OLP_HOST_ID_MAX 15
-
-/**
- * Longest type of a device that is kept whole.
- */
-#define OLP_HOST_TYPE_MAX 47
-
-/**
- * Longest name of a device that is kept whole.
- */
-#define OLP_HOST_NAME_MAX 31
-
-/**
- * Longest version of a device that is kept whole.
- */
-#define OLP_HOST_VERSION_MAX 15
 
 /**
  * Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.

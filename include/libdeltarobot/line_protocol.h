@@ -110,6 +110,11 @@ extern "C" {
 #define OLP_RC_ERROR_GENERIC 1
 
 /**
+ * There is no room.
+ */
+#define OLP_RC_OVERFLOW 3
+
+/**
  * Not now: something else has to end first.
  */
 #define OLP_RC_BUSY 5

@@ -3,25 +3,26 @@
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
-use core::mem::{MaybeUninit, align_of, offset_of, size_of};
-use core::slice;
+use core::ptr::null;
 
-use super::line_protocol::building::{keep, resume};
-use super::line_protocol::{LineEncoder, LineMessage, OLP_CHECKSUM_NONE, OLP_CHECKSUM_RIGHT};
-use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
+use super::line_protocol::encoder::{keep, resume};
+use super::line_protocol::{LineEncoder, LineMessage};
+use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use super::memory::{bytes_of, int, text_of, zero};
 use super::sized_alias;
 use crate::clock::time;
-use crate::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
-use crate::line::device::{
-    Answer, Answers, DeviceHealth, DeviceLink, Fault, Input, OWN_LINE_MAX, Request, Setup, Welcome,
-};
-use crate::line::device::{is_id, is_setup};
-use crate::line::{COMMAND_MAX, Checksum, Message, Value};
+use crate::line::Value;
+use crate::line::device::{DeviceHealth, DeviceLink, Input, Setup};
+
+mod layout;
+mod serve;
+mod table;
+
+use serve::{send, serve};
+use table::{check, device_of};
 
 /// Length of the longest id that a device behind a link may have.
 pub const OLP_ID_MAX: c_int = 10;
-const _: () = assert!(OLP_ID_MAX as usize == crate::line::device::ID_MAX);
 
 /// Executes a command: reads its parameters from command, and adds those of the answer (but for id and t, which are
 /// added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
@@ -114,53 +115,6 @@ pub struct Device {
     /// Not 0 while `olp_device_poll` runs.
     serving: c_uchar,
 }
-
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const LONG: usize = size_of::<c_ulong>();
-    const POINTER: usize = size_of::<*const ()>();
-    const COMMANDS: usize = pointer_up(POINTER + INT);
-    const SEND: usize = pointer_up(COMMANDS + POINTER + INT);
-    const REPEAT_MS: usize = up(SEND + POINTER, align_of::<c_ulong>());
-    const ANSWER: usize = up(LONG + INT + 2 + OLP_REPLY_MAX, align_of::<c_ulong>());
-    const LINK: usize = up(size_of::<Answers>() + 7 * LONG + INT + 4, align_of::<c_ulong>());
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
-    const fn pointer_up(size: usize) -> usize {
-        up(size, align_of::<*const ()>())
-    }
-
-    assert!(offset_of!(DeviceInfo, id) == 0 && offset_of!(DeviceInfo, r#type) == POINTER);
-    assert!(offset_of!(DeviceInfo, pos) == 2 * POINTER);
-    assert!(offset_of!(DeviceInfo, name) == pointer_up(2 * POINTER + INT));
-    assert!(offset_of!(DeviceInfo, version) == pointer_up(2 * POINTER + INT) + POINTER);
-    assert!(size_of::<DeviceInfo>() == pointer_up(2 * POINTER + INT) + 2 * POINTER);
-
-    assert!(offset_of!(Command, id) == 0 && offset_of!(Command, name) == POINTER);
-    assert!(offset_of!(Command, run) == 2 * POINTER && size_of::<Command>() == 3 * POINTER);
-
-    assert!(offset_of!(DeviceTable, devices) == 0 && offset_of!(DeviceTable, device_count) == POINTER);
-    assert!(offset_of!(DeviceTable, commands) == COMMANDS);
-    assert!(offset_of!(DeviceTable, command_count) == COMMANDS + POINTER);
-    assert!(offset_of!(DeviceTable, send) == SEND && offset_of!(DeviceTable, repeat_ms) == REPEAT_MS);
-    assert!(size_of::<DeviceTable>() == pointer_up(REPEAT_MS + LONG));
-
-    assert!(offset_of!(DeviceHealth, commands) == 0 && offset_of!(DeviceHealth, repeats) == LONG);
-    assert!(offset_of!(DeviceHealth, checksums) == 2 * LONG && offset_of!(DeviceHealth, malformed) == 3 * LONG);
-    assert!(offset_of!(DeviceHealth, overflows) == 4 * LONG && offset_of!(DeviceHealth, refused) == 5 * LONG);
-    assert!(size_of::<DeviceHealth>() == 6 * LONG);
-
-    assert!(size_of::<Answer>() == ANSWER);
-    assert!(size_of::<Answers>() == up(OLP_WINDOW_MAX * ANSWER + 2, align_of::<c_ulong>()));
-    assert!(size_of::<DeviceLink>() == LINK);
-    assert!(size_of::<Input>() == up(2 * INT + 1 + COMMAND_MAX, align_of::<c_int>()));
-    assert!(
-        size_of::<Device>() == up(pointer_up(LINK) + 2 * POINTER + INT + size_of::<Input>() + 5, align_of::<Device>())
-    );
-};
 
 /// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
 ///
@@ -372,10 +326,10 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
         if (*device).welcomed < (*(*device).table).device_count {
             return OLP_RC_BUSY;
         }
-        if event.error != OLP_RC_SUCCESS {
-            return event.error;
-        }
-        let Some(mut line) = resume(event) else { return OLP_RC_ERROR_GENERIC };
+        let mut line = match resume(event) {
+            Ok(line) => line,
+            Err(code) => return code,
+        };
         let written = (*device).link.finish_event(&mut line, id);
         keep(event, &line);
         let rc = event.error;
@@ -403,7 +357,7 @@ sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder,
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const DeviceHealth {
     if device.is_null() {
-        return core::ptr::null();
+        return null();
     }
     // SAFETY: not NULL, so as the contract of this function asks.
     unsafe { (*device).link.health() }
@@ -418,281 +372,4 @@ sized_alias!(olp: olp_device_get_health(device: *const Device) -> *const DeviceH
 unsafe fn is_ready(device: *const Device) -> bool {
     // SAFETY: as the contract of this function asks.
     unsafe { !device.is_null() && !(*device).table.is_null() }
-}
-
-/// Whether a table is one to work with; room is for trying.
-///
-/// # Safety
-///
-/// As for [`olp_device_init`].
-unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let Some(table) = table.as_ref() else { return OLP_RC_ERROR_GENERIC };
-        let commands = table.command_count >= 0 && (table.command_count == 0 || !table.commands.is_null());
-        if table.device_count < 1 || table.devices.is_null() || table.send.is_none() || !commands {
-            return OLP_RC_ERROR_GENERIC;
-        }
-        for info in devices(table) {
-            match &welcome(info) {
-                None => return OLP_RC_ERROR_GENERIC,
-                Some(welcome) if welcome.write(room).is_err() => return OLP_RC_TOO_LONG,
-                Some(_) => (),
-            }
-        }
-        for command in commands_of(table) {
-            if command.name.is_null() {
-                return OLP_RC_ERROR_GENERIC;
-            }
-        }
-    }
-    OLP_RC_SUCCESS
-}
-
-// From here on, tables are what `check` found good, `device` is not NULL and ready, and no reference to it lives while
-// one of the firmware's functions runs.
-
-/// # Safety
-///
-/// See above.
-unsafe fn devices(table: &DeviceTable) -> &[DeviceInfo] {
-    // SAFETY: as the contract of this function asks.
-    unsafe { slice::from_raw_parts(table.devices, usize::try_from(table.device_count).unwrap_or_default()) }
-}
-
-/// # Safety
-///
-/// See above.
-unsafe fn commands_of(table: &DeviceTable) -> &[Command] {
-    let count = usize::try_from(table.command_count).unwrap_or_default();
-    // SAFETY: as the contract of this function asks.
-    if count == 0 { &[] } else { unsafe { slice::from_raw_parts(table.commands, count) } }
-}
-
-/// The welcome of a device, if it has what that needs.
-///
-/// # Safety
-///
-/// As for [`olp_device_init`].
-unsafe fn welcome(info: &DeviceInfo) -> Option<Welcome<'_>> {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        Some(Welcome {
-            id: text_of(info.id).filter(|id| is_id(id))?,
-            r#type: text_of(info.r#type)?,
-            pos: info.pos,
-            name: text_of(info.name),
-            version: text_of(info.version),
-        })
-    }
-}
-
-/// The id of the device that is meant, if there is one.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn device_of<'a>(table: &'a DeviceTable, asked: Value) -> Option<&'a [u8]> {
-    // SAFETY: as the contract of this function asks.
-    unsafe { devices(table).iter().filter_map(|info| text_of(info.id)).find(|id| asked.is(id)) }
-}
-
-/// The command that is meant, if there is one.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn command_of<'a>(table: &'a DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        commands_of(table).iter().find(|command| {
-            text_of(command.id).is_none_or(|own| id.is(own)) && text_of(command.name).is_some_and(|own| name.is(own))
-        })
-    }
-}
-
-/// The id of the first device.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn first_id<'a>(table: *const DeviceTable) -> &'a [u8] {
-    // SAFETY: as the contract of this function asks.
-    unsafe { text_of((*(*table).devices).id).unwrap_or_default() }
-}
-
-/// # Safety
-///
-/// See above.
-unsafe fn send(device: *mut Device, line: *const u8, length: usize) {
-    // SAFETY: as the contract of this function asks.
-    let (table, usr) = unsafe { ((*device).table, (*device).usr) };
-    // SAFETY: as the table asks: its function takes usr.
-    if let (1.., Some(send)) = (length, unsafe { (*table).send }) {
-        // SAFETY: as above.
-        unsafe { send(line.cast(), int(length), usr) };
-    }
-}
-
-/// Writes and sends a line of the link's own.
-///
-/// # Safety
-///
-/// See above.
-#[inline(never)]
-unsafe fn tell(device: *mut Device, write: &Own) {
-    let mut room = MaybeUninit::<[u8; OWN_LINE_MAX]>::uninit();
-    // SAFETY: as the contract of this function asks; zero is a value of such arrays.
-    unsafe {
-        zero(room.as_mut_ptr());
-        let length = {
-            let link = &mut (*device).link;
-            let room = room.assume_init_mut();
-            match *write {
-                Own::Setup(setup, id) => link.setup_event(setup, id, room),
-                Own::Ack(request, id) => link.ack(request, id, room),
-                Own::SetupAnswer(message, id) => link.setup_answer(message, id, room),
-                Own::Fault(fault, request, id) => link.fault(fault, request, id, room),
-            }
-        };
-        send(device, room.as_ptr().cast(), length);
-    }
-}
-
-/// A line of the link's own, with the id it is to have.
-enum Own<'a> {
-    Setup(Setup, &'a [u8]),
-    Ack(&'a Request, &'a [u8]),
-    SetupAnswer(&'a Message<'a>, &'a [u8]),
-    Fault(Fault, Option<&'a Request>, &'a [u8]),
-}
-
-/// See [`olp_device_poll`].
-///
-/// # Safety
-///
-/// See above.
-unsafe fn serve(device: *mut Device, now: u32) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        (*device).link.tick(now);
-        let table = (*device).table;
-        let welcomed = usize::try_from((*device).welcomed).unwrap_or_default();
-        if let Some(info) = devices(&*table).get(welcomed) {
-            (*device).welcomed = (*device).welcomed.wrapping_add(1);
-            let room = (*device).link.room();
-            let length = welcome(info).as_ref().and_then(|welcome| welcome.write(room).ok()).unwrap_or_default();
-            let line = room.as_ptr();
-            send(device, line, length);
-            return OLP_RC_SUCCESS;
-        }
-        if (*device).tells != 0 {
-            (*device).tells = 0;
-            tell(device, &Own::Setup((*device).own, first_id(table)));
-            return OLP_RC_SUCCESS;
-        }
-        // The line lies where it is until it is released: nothing is received before.
-        let input = &raw const (*device).input;
-        let mut rc = OLP_RC_SUCCESS;
-        let fault = match (*input).line() {
-            None => return OLP_RC_NO_EVENT,
-            Some(Err(fault)) => Some(fault),
-            Some(Ok(line)) => match Message::parse(line) {
-                Err(_) => Some(Fault::Malformed),
-                Ok(ref message) => match (*device).link.accept(message, now) {
-                    Err(fault) => Some(fault),
-                    Ok(ref request) => {
-                        rc = answer(device, message, request);
-                        None
-                    }
-                },
-            },
-        };
-        if let Some(fault) = fault {
-            tell(device, &Own::Fault(fault, None, first_id(table)));
-        }
-        if (*device).serving != 0 {
-            (*device).input.release();
-        }
-        rc
-    }
-}
-
-/// Answers an intact command.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let table = (*device).table;
-        let asked = message.get(b"id").unwrap_or_default();
-        let known = device_of(&*table, asked);
-        let id = known.unwrap_or_else(|| Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default());
-        let sets_up = known.is_some() && is_setup(message);
-        if sets_up {
-            (*device).link.change_setup(message);
-        }
-        tell(device, &Own::Ack(request, id));
-        if (*device).serving == 0 {
-            // It began anew meanwhile: the line is of another connection.
-            return OLP_RC_SUCCESS;
-        }
-        if known.is_none() {
-            tell(device, &Own::Fault(Fault::UnknownId, Some(request), id));
-        } else if sets_up {
-            tell(device, &Own::SetupAnswer(message, id));
-        } else if let Some(again) = (*device).link.repeated(request) {
-            let (line, length) = (again.as_ptr(), again.len());
-            send(device, line, length);
-        } else if let Some(command) = command_of(&*table, asked, message.command()) {
-            return execute(device, command, message, request, id);
-        } else {
-            tell(device, &Own::Fault(Fault::UnknownCommand, Some(request), id));
-        }
-        OLP_RC_SUCCESS
-    }
-}
-
-/// Has a command executed, and answers it.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn execute(device: *mut Device, command: &Command, message: &Message, request: &Request, id: &[u8]) -> c_int {
-    // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
-    unsafe {
-        let (room, begun) = (*device).link.begin(text_of(command.name).unwrap_or_default());
-        let mut answer =
-            LineEncoder { buf: room.as_mut_ptr().cast(), cap: int(room.len()), length: int(begun), error: 0 };
-        let view = LineMessage {
-            line: message.line().as_ptr().cast(),
-            length: int(message.line().len()),
-            count: int(message.len()),
-            checksum: if message.checksum() == Checksum::None { OLP_CHECKSUM_NONE } else { OLP_CHECKSUM_RIGHT },
-            sum: request.sum.into(),
-        };
-        let refused = match command.run {
-            Some(run) => run(&raw const view, &raw mut answer, (*device).usr) != 0,
-            None => true,
-        };
-        if (*device).serving == 0 {
-            // It began anew meanwhile.
-            return OLP_RC_SUCCESS;
-        }
-        let written = match usize::try_from(answer.length) {
-            _ if refused => Err(Fault::Refused),
-            Ok(length) if answer.error == OLP_RC_SUCCESS => Ok(length),
-            _ => Err(Fault::TooLong),
-        };
-        let (line, fault) = (*device).link.finish(request, id, written);
-        let (line, length) = (line.as_ptr(), line.len());
-        send(device, line, length);
-        match fault {
-            Some(Fault::TooLong) if answer.error == OLP_RC_SUCCESS => OLP_RC_TOO_LONG,
-            Some(Fault::TooLong) => answer.error,
-            _ => OLP_RC_SUCCESS,
-        }
-    }
 }

@@ -2,59 +2,23 @@
 //!
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
-use core::ffi::{c_char, c_int, c_long, c_uchar, c_uint, c_ulong, c_ushort, c_void};
-use core::mem::{align_of, offset_of, size_of};
-use core::ptr;
+use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
+use core::ptr::{from_ref, null};
 
-use super::line_protocol::LineMessage;
-use super::line_protocol::reading::olp_parse;
-use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND};
-use super::line_protocol::{OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
+use super::line_protocol::{
+    OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
+    OLP_RC_TOO_LONG,
+};
 use super::memory::{bytes_of, fill, int, long, text_of, zero};
 use super::sized_alias;
 use crate::clock::time;
-use crate::config::{OLP_DEVICES_MAX, OLP_WINDOW_MAX};
 use crate::line::COMMAND_MAX;
-use crate::line::host::{Counter, Device, Devices, Dropped, Event, Health, Host, Link, Listed, Outcome, QueueError};
-use crate::line::host::{ID_MAX, NAME_MAX, Recent, Session, Settings, Slot, TYPE_MAX, VERSION_MAX};
-use crate::line::{Message, Receiver};
+use crate::line::host::{Device, Health, Host, Link, QueueError, Settings};
 
-/// There is no room.
-pub const OLP_RC_OVERFLOW: c_int = 3;
+pub mod event;
+mod layout;
 
-/// Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
-/// `OLP_RC_SUCCESS`, or `OLP_RC_TOO_LONG` when the id is longer than `OLP_HOST_ID_MAX` (-1) or another text was cut
-/// off, `OLP_RC_OVERFLOW` when the table is full, `OLP_RC_NOT_FOUND` when it has no id.
-pub const OLP_HOST_WELCOME: c_int = 1;
-/// Event: what is in force on the link was told, or has changed: `link`.
-pub const OLP_HOST_LINKSETUP: c_int = 2;
-/// Event: the device has acknowledged the command `handle`. Once for each.
-pub const OLP_HOST_ACKED: c_int = 3;
-/// Event: the command `handle` has ended as `outcome` says. Exactly once for each.
-pub const OLP_HOST_ENDED: c_int = 4;
-/// Event: another line came from the device: `message`.
-pub const OLP_HOST_LINE: c_int = 5;
-/// Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
-/// damaged number makes a gap too.
-pub const OLP_HOST_LOST: c_int = 6;
-/// Event: the device reports an error: `message`. It is about the command `handle`, as far as that can be told; else
-/// that is 0.
-pub const OLP_HOST_ERROR: c_int = 7;
-/// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
-pub const OLP_HOST_DROPPED: c_int = 8;
-
-/// Outcome: the device has carried the command out, and answered: `message`. (Or it says by `onerror` with the code
-/// `toolong` that its answer is too long for it.)
-pub const OLP_HOST_ANSWERED: c_int = 1;
-/// Outcome: the device did not carry it out, and says so: `message`, an `onerror`.
-pub const OLP_HOST_REFUSED: c_int = 2;
-/// Outcome: what was to come back did not come. Whether the command was carried out is not known. (If it was
-/// acknowledged, the device has it.)
-pub const OLP_HOST_TIMED_OUT: c_int = 3;
-/// Outcome: the device has started anew. Whether the command was carried out before that is not known.
-pub const OLP_HOST_RESTARTED: c_int = 4;
-/// Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
-pub const OLP_HOST_NOT_SENT: c_int = 5;
+use event::{LineHostEvent, write_event};
 
 /// Longest id that a device in the table may have.
 pub const OLP_HOST_ID_MAX: c_int = 15;
@@ -64,89 +28,6 @@ pub const OLP_HOST_TYPE_MAX: c_int = 47;
 pub const OLP_HOST_NAME_MAX: c_int = 31;
 /// Longest version of a device that is kept whole.
 pub const OLP_HOST_VERSION_MAX: c_int = 15;
-
-/// Something that happened.
-#[derive(Debug)]
-#[repr(C)]
-pub struct LineHostEvent {
-    /// What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`.
-    pub kind: c_int,
-    /// Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others.
-    pub handle: c_int,
-    /// Of `OLP_HOST_ENDED`, one of `OLP_HOST_ANSWERED` to `OLP_HOST_NOT_SENT`; 0 of others.
-    pub outcome: c_int,
-    /// Of `OLP_HOST_WELCOME`, the place in the table; -1 of others.
-    pub device: c_int,
-    /// Of `OLP_HOST_WELCOME` and `OLP_HOST_DROPPED`, one of `OLP_RC_*`; 0 of others.
-    pub error: c_int,
-    /// Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others.
-    pub lost: c_int,
-    /// What is in force on the link.
-    pub link: Link,
-    /// The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
-    /// Empty where an event has none.
-    pub message: LineMessage,
-}
-
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const LONG: usize = size_of::<c_ulong>();
-    const ALIGN: usize = align_of::<c_ulong>();
-    const SHORT: usize = align_of::<c_ushort>();
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
-    const COUNTER: usize = 64 * size_of::<Recent>() + INT + 4;
-    const SLOT: usize = up(2 * LONG + 5 * INT + size_of::<c_ushort>() + 8 + 54, ALIGN);
-    const DEVICE: usize = ID_MAX + TYPE_MAX + NAME_MAX + VERSION_MAX + 4 + 2 * INT;
-    const SESSION: usize = size_of::<Settings>() + size_of::<Health>() + LONG;
-
-    assert!(offset_of!(Settings, timeout_ms) == 0 && offset_of!(Settings, answer_ms) == LONG);
-    assert!(offset_of!(Settings, repeat_ms) == 2 * LONG && offset_of!(Settings, repeats) == 3 * LONG);
-    assert!(offset_of!(Settings, recognises) == 3 * LONG + INT);
-    assert!(size_of::<Settings>() == up(3 * LONG + 2 * INT, ALIGN));
-    assert!(offset_of!(Link, ack) == 0 && offset_of!(Link, checksum) == INT);
-    assert!(offset_of!(Link, windowsize) == 2 * INT && size_of::<Link>() == 2 * INT + size_of::<c_uint>());
-    assert!(offset_of!(Health, lines) == 0 && offset_of!(Health, strays) == LONG);
-    assert!(offset_of!(Health, malformed) == 2 * LONG && offset_of!(Health, overlong) == 3 * LONG);
-    assert!(offset_of!(Health, lost) == 4 * LONG && offset_of!(Health, errors) == 5 * LONG);
-    assert!(offset_of!(Health, restarts) == 6 * LONG && offset_of!(Health, overflows) == 7 * LONG);
-    assert!(offset_of!(Health, timeouts) == 8 * LONG && offset_of!(Health, repeats) == 9 * LONG);
-    assert!(offset_of!(Health, rtt_count) == 10 * LONG && offset_of!(Health, rtt_last) == 11 * LONG);
-    assert!(offset_of!(Health, rtt_min) == 12 * LONG && offset_of!(Health, rtt_max) == 13 * LONG);
-    assert!(offset_of!(Health, rtt_sum) == 14 * LONG && size_of::<Health>() == 15 * LONG);
-    assert!(offset_of!(Device, id) == 0 && offset_of!(Device, r#type) == ID_MAX + 1);
-    assert!(offset_of!(Device, name) == ID_MAX + TYPE_MAX + 2);
-    assert!(offset_of!(Device, version) == ID_MAX + TYPE_MAX + NAME_MAX + 3);
-    assert!(offset_of!(Device, pos) == DEVICE - 2 * INT && offset_of!(Device, cut) == DEVICE - INT);
-    assert!(size_of::<Device>() == DEVICE);
-    assert!(size_of::<Devices>() == up(OLP_DEVICES_MAX * (DEVICE + size_of::<c_uchar>()), INT) + INT);
-    assert!(size_of::<Recent>() == size_of::<c_ushort>() + 2 && size_of::<Counter>() == COUNTER);
-    assert!(size_of::<Slot>() == SLOT);
-    assert!(
-        size_of::<Session>()
-            == up(
-                up(up(SESSION + size_of::<Link>() + 9 * INT + 5 + COUNTER, SHORT), ALIGN)
-                    + OLP_WINDOW_MAX * SLOT
-                    + size_of::<Devices>(),
-                ALIGN
-            )
-    );
-    assert!(size_of::<Host>() == up(up(size_of::<Receiver>(), ALIGN) + size_of::<Session>(), ALIGN));
-
-    assert!(offset_of!(LineHostEvent, kind) == 0 && offset_of!(LineHostEvent, handle) == INT);
-    assert!(offset_of!(LineHostEvent, outcome) == 2 * INT && offset_of!(LineHostEvent, device) == 3 * INT);
-    assert!(offset_of!(LineHostEvent, error) == 4 * INT && offset_of!(LineHostEvent, lost) == 5 * INT);
-    assert!(offset_of!(LineHostEvent, link) == 6 * INT);
-    assert!(
-        offset_of!(LineHostEvent, message) == up(6 * INT + size_of::<Link>(), align_of::<LineMessage>())
-            && size_of::<LineHostEvent>() == offset_of!(LineHostEvent, message) + size_of::<LineMessage>()
-    );
-    assert!(OLP_HOST_ID_MAX as usize == ID_MAX && OLP_HOST_TYPE_MAX as usize == TYPE_MAX);
-    assert!(OLP_HOST_NAME_MAX as usize == NAME_MAX && OLP_HOST_VERSION_MAX as usize == VERSION_MAX);
-};
 
 /// Begins a session. Memory that is all zero is one too, with the default settings.
 ///
@@ -453,7 +334,7 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
     let Some(found) = usize::try_from(index).ok().and_then(|index| host.device(index)) else {
         return OLP_RC_NOT_FOUND;
     };
-    let (from, to) = (ptr::from_ref(found).cast::<u8>(), device.cast::<u8>());
+    let (from, to) = (from_ref(found).cast::<u8>(), device.cast::<u8>());
     for place in 0..size_of::<Device>() {
         // SAFETY: both have this size, and no padding: see above.
         unsafe { to.add(place).write(from.add(place).read()) };
@@ -482,7 +363,7 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health
     // SAFETY: as the contract of this function asks.
     match unsafe { host.as_ref() } {
         Some(host) => host.health(),
-        None => ptr::null(),
+        None => null(),
     }
 }
 sized_alias!(olp: olp_host_get_health(host: *const Host) -> *const Health);
@@ -506,75 +387,5 @@ unsafe fn link_to(out: *mut Link, host: &Host) {
         (*out).ack = link.ack;
         (*out).checksum = link.checksum;
         (*out).windowsize = link.windowsize;
-    }
-}
-
-/// # Safety
-///
-/// event points to a writable one that is all zero but for its device.
-unsafe fn write_event(event: *mut LineHostEvent, happened: &Event<'_>) {
-    // SAFETY: as the contract of this function asks, of event and what is in it.
-    unsafe {
-        (*event).kind = match *happened {
-            Event::Welcome(listed, message) => {
-                ((*event).device, (*event).error) = match listed {
-                    Listed::Whole(index) => (int(index), OLP_RC_SUCCESS),
-                    Listed::Cut(index) => (int(index), OLP_RC_TOO_LONG),
-                    Listed::Full => (-1, OLP_RC_OVERFLOW),
-                    Listed::IdTooLong => (-1, OLP_RC_TOO_LONG),
-                    Listed::NoId => (-1, OLP_RC_NOT_FOUND),
-                };
-                show(event, Some(message));
-                OLP_HOST_WELCOME
-            }
-            Event::Linksetup(_) => OLP_HOST_LINKSETUP,
-            Event::Acked(handle) => {
-                (*event).handle = handle;
-                OLP_HOST_ACKED
-            }
-            Event::Ended(handle, outcome, message) => {
-                (*event).handle = handle;
-                (*event).outcome = match outcome {
-                    Outcome::Answered => OLP_HOST_ANSWERED,
-                    Outcome::Refused => OLP_HOST_REFUSED,
-                    Outcome::TimedOut => OLP_HOST_TIMED_OUT,
-                    Outcome::Restarted => OLP_HOST_RESTARTED,
-                    Outcome::TooLong => OLP_HOST_NOT_SENT,
-                };
-                show(event, message);
-                OLP_HOST_ENDED
-            }
-            Event::Line(message) => {
-                show(event, Some(message));
-                OLP_HOST_LINE
-            }
-            Event::Lost(count) => {
-                (*event).lost = count.into();
-                OLP_HOST_LOST
-            }
-            Event::Error(handle, message) => {
-                (*event).handle = handle;
-                show(event, Some(message));
-                OLP_HOST_ERROR
-            }
-            Event::Dropped(why) => {
-                (*event).error = match why {
-                    Dropped::Overlong => OLP_RC_TOO_LONG,
-                    Dropped::Malformed => OLP_RC_MALFORMED,
-                };
-                OLP_HOST_DROPPED
-            }
-        };
-    }
-}
-
-/// # Safety
-///
-/// As for [`write_event`].
-unsafe fn show(event: *mut LineHostEvent, message: Option<Message<'_>>) {
-    if let Some(message) = message {
-        let line = message.line();
-        // SAFETY: the line is one; event as the contract of this function asks.
-        unsafe { olp_parse(line.as_ptr().cast(), int(line.len()), &raw mut (*event).message) };
     }
 }

@@ -8,14 +8,18 @@ use core::ptr::null;
 
 use crate::line;
 
-pub mod building;
-pub mod reading;
-pub mod receiving;
+pub mod checksum;
+pub mod encoder;
+pub mod message;
+pub mod receiver;
+pub mod value;
 
 /// The operation completed.
 pub const OLP_RC_SUCCESS: c_int = 0;
 /// A NULL pointer or an argument out of range: nothing was done.
 pub const OLP_RC_ERROR_GENERIC: c_int = 1;
+/// There is no room.
+pub const OLP_RC_OVERFLOW: c_int = 3;
 /// Not now: something else has to end first.
 pub const OLP_RC_BUSY: c_int = 5;
 /// Nothing has happened.

@@ -217,18 +217,15 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
-    let code = match encoder.error {
-        // SAFETY: as the contract of this function asks.
-        OLP_RC_SUCCESS => match unsafe { resume(encoder) } {
-            Some(mut line) => {
-                // What it says is kept.
-                let _ = line.finish(checksum != 0);
-                keep(encoder, &line);
-                encoder.error
-            }
-            None => OLP_RC_ERROR_GENERIC,
-        },
-        code => code,
+    // SAFETY: as the contract of this function asks.
+    let code = match unsafe { resume(encoder) } {
+        Ok(mut line) => {
+            // What it says is kept.
+            let _ = line.finish(checksum != 0);
+            keep(encoder, &line);
+            encoder.error
+        }
+        Err(code) => code,
     };
     encoder.error = OLP_RC_ERROR_GENERIC;
     if code == OLP_RC_SUCCESS { encoder.length } else { code.wrapping_neg() }
@@ -273,31 +270,40 @@ unsafe fn add<'a, T>(
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (Some(encoder), name) = (unsafe { (encoder.as_mut(), text_of(name)) }) else { return OLP_RC_ERROR_GENERIC };
-    if encoder.error == OLP_RC_SUCCESS {
-        // SAFETY: as the contract of this function asks.
-        if let (Some(mut line), Some(name), Some(value)) = (unsafe { resume(encoder) }, name, value) {
+    // SAFETY: as the contract of this function asks.
+    match (unsafe { resume(encoder) }, name, value) {
+        (Ok(mut line), Some(name), Some(value)) => {
             put(&mut line, name, value);
             keep(encoder, &line);
-        } else {
+        }
+        (Ok(_), ..) => {
             // SAFETY: as the contract of this function asks.
             if let Some([first, ..]) = unsafe { room_for(encoder) } {
                 *first = 0;
             }
             encoder.error = OLP_RC_ERROR_GENERIC;
         }
+        (Err(code), ..) => encoder.error = code,
     }
     encoder.error
 }
 
 /// The line that an encoder is at.
 ///
+/// # Errors
+///
+/// The code of why there is none: what failed before, or that it was never begun.
+///
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-pub(in crate::ffi) unsafe fn resume<'a>(encoder: &LineEncoder) -> Option<Encoder<'a>> {
-    let length = usize::try_from(encoder.length).ok()?;
+pub(in crate::ffi) unsafe fn resume<'a>(encoder: &LineEncoder) -> Result<Encoder<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
-    unsafe { room_for(encoder) }.map(|room| Encoder::resume(room, length))
+    match (encoder.error, usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
+        (OLP_RC_SUCCESS, Ok(length), Some(room)) => Ok(Encoder::resume(room, length)),
+        (OLP_RC_SUCCESS, ..) => Err(OLP_RC_ERROR_GENERIC),
+        (code, ..) => Err(code),
+    }
 }
 
 /// The buffer of a line, as far as the line may reach.
