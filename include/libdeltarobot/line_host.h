@@ -385,7 +385,7 @@ struct olp_host_slot {
    */
   unsigned char flags;
   /**
-   * The text as the caller built it, and behind that the id, encoded.
+   * Lengths of the two parts of the text.
    */
   unsigned char command_length;
   unsigned char id_length;
@@ -393,6 +393,9 @@ struct olp_host_slot {
    * Number of older commands that have ended, and may have been carried out after it.
    */
   unsigned char overtaken;
+  /**
+   * The command as the caller built it, and behind that the id, encoded.
+   */
   char text[54];
 };
 

@@ -64,6 +64,8 @@ mod counter;
 mod event;
 mod health;
 mod incoming;
+mod output;
+mod queue;
 mod settings;
 mod slot;
 mod table;
@@ -71,7 +73,7 @@ mod timers;
 
 use core::ffi::{c_int, c_uchar, c_uint, c_ulong};
 
-use super::encoder::{COMMAND_MAX, EncodeError, Encoder};
+use super::encoder::COMMAND_MAX;
 use super::message::Message;
 use super::receiver::{LineByte, Received, Receiver};
 use crate::clock::stamp;
@@ -80,6 +82,7 @@ use crate::counter::count;
 pub use counter::{Counter, Recent};
 pub use event::{Dropped, Event, Outcome};
 pub use health::Health;
+pub use queue::QueueError;
 use settings::Told;
 pub use settings::{Link, Settings};
 pub use slot::Slot;
@@ -132,17 +135,6 @@ pub struct Session {
     devices: Devices,
 }
 
-/// Why a command was not queued.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum QueueError {
-    /// As many commands as can be kept have not ended, or their end was not fetched.
-    Busy,
-    /// It is no command that may be sent: see [`Host::send`].
-    Malformed,
-    /// The line would be longer than [`COMMAND_MAX`].
-    TooLong,
-}
-
 impl Host {
     /// A session that has just begun.
     #[must_use]
@@ -184,64 +176,6 @@ impl Host {
         own.recognises = settings.recognises;
     }
 
-    /// Queues a command for the device of that id, and tells its handle: 1 to 32767.
-    ///
-    /// `command` is the beginning of the line, e.g. `c=setswitch&state=1`: printable ASCII, without a checksum and
-    /// without parameters `t` and `id`, which are added. It has to leave room for these: for a `t` of two digits, and
-    /// for `s` where checksums are in force.
-    ///
-    /// # Errors
-    ///
-    /// See [`QueueError`].
-    pub fn send(&mut self, command: &[u8], id: &[u8]) -> Result<c_int, QueueError> {
-        let session = &mut self.session;
-        let checksum = session.link.checksum != 0;
-        let slots = &mut session.slots;
-        let mut handle = session.handle;
-        loop {
-            handle = if (1..32767).contains(&handle) { handle.wrapping_add(1) } else { 1 };
-            if !slots.iter().any(|slot| !slot.is_free() && slot.handle() == handle) {
-                break;
-            }
-        }
-        let slot = slots.iter_mut().find(|slot| slot.is_free()).ok_or(QueueError::Busy)?;
-        slot.queue(command, id, checksum)?;
-        session.order = session.order.wrapping_add(1);
-        session.handle = handle;
-        slot.name_it(session.order, handle);
-        Ok(handle)
-    }
-
-    /// Queues a `linksetup` with those of these parameters that are given. Three are one too many for a line.
-    ///
-    /// # Errors
-    ///
-    /// As for [`send`](Self::send).
-    pub fn setup(
-        &mut self,
-        id: &[u8],
-        ack: Option<bool>,
-        checksum: Option<bool>,
-        windowsize: Option<u16>,
-    ) -> Result<c_int, QueueError> {
-        let mut room = [0; COMMAND_MAX];
-        let mut encoder = Encoder::command(&mut room, b"linksetup");
-        if let Some(windowsize) = windowsize {
-            encoder.int(b"windowsize", windowsize.into());
-        }
-        if let Some(ack) = ack {
-            encoder.text(b"ack", if ack { b"on" } else { b"off" });
-        }
-        if let Some(checksum) = checksum {
-            encoder.text(b"checksum", if checksum { b"fletcher16" } else { b"none" });
-        }
-        let length = encoder.length();
-        if encoder.error() == Some(EncodeError::TooLong) {
-            return Err(QueueError::TooLong);
-        }
-        self.send(room.get(..length).unwrap_or_default(), id)
-    }
-
     /// What is in force on the link.
     #[must_use]
     pub fn link(&self) -> Link {
@@ -252,13 +186,13 @@ impl Host {
     /// The devices that have signed in. Their places in this list do not change.
     #[must_use]
     pub fn devices(&self) -> &[Device] {
-        self.session.devices().all()
+        self.session.devices.all()
     }
 
     /// A device that has signed in.
     #[must_use]
     pub fn device(&self, index: usize) -> Option<&Device> {
-        self.session.devices().get(index)
+        self.session.devices.get(index)
     }
 
     /// How the link does.
@@ -326,7 +260,7 @@ impl Host {
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         let session = &self.session;
-        if session.has_to_tell() || session.held != 0 && session.understood == 0 {
+        if session.tell != 0 || session.held != 0 && session.understood == 0 {
             return Some(0);
         }
         session.next_deadline(now)
@@ -336,7 +270,7 @@ impl Host {
 impl Session {
     /// Lets go of the line, when all that it means has been told.
     fn release(&mut self) {
-        if self.held != 0 && self.understood != 0 && !self.has_to_tell() {
+        if self.held != 0 && self.understood != 0 && self.tell == 0 {
             self.held = 0;
         }
     }

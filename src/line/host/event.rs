@@ -2,7 +2,7 @@
 
 use core::ffi::{c_int, c_uchar};
 
-use super::{Devices, Link, Listed, Message, Session, Slot};
+use super::{Link, Listed, Message, Session, Slot};
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,10 +88,6 @@ pub(super) enum Happened {
 }
 
 impl Session {
-    pub(super) const fn has_to_tell(&self) -> bool {
-        self.tell != 0
-    }
-
     /// Takes the next event off the list.
     pub(super) fn next_to_tell(&mut self) -> Option<Happened> {
         while self.tell != 0 {
@@ -163,9 +159,5 @@ impl Session {
             3 => Listed::IdTooLong,
             _ => Listed::NoId,
         }
-    }
-
-    pub(super) const fn devices(&self) -> &Devices {
-        &self.devices
     }
 }

@@ -1,9 +1,9 @@
-//! What goes out, and what the time brings about: repeating, giving up.
+//! What the time brings about: repeating, giving up.
 
-use core::ffi::{c_int, c_uint};
+use core::ffi::c_int;
 
 use super::event::TELL_ENDED;
-use super::{COMMAND_MAX, Outcome, Session, Slot};
+use super::{Outcome, Session, Slot};
 use crate::config::OLP_WINDOW_MAX;
 use crate::counter::count;
 
@@ -75,29 +75,6 @@ impl Session {
         }
     }
 
-    /// Whether a queued command's turn has come.
-    fn may_leave(&self, slot: &Slot) -> bool {
-        // Those before it.
-        slot.is_queued()
-            && self.slots.iter().all(|other| {
-                let ahead = other.age(self.order) > slot.age(self.order);
-                let bars = other.is_queued()
-                    || other.is_linksetup()
-                    || slot.is_linksetup()
-                    || self.behind(other, slot) >= self.link.window();
-                !(ahead && other.is_going_on() && bars)
-            })
-    }
-
-    /// How many commands may be carried out behind the one that was sent, when the new one is sent too: those sent
-    /// after it, and older ones that may have to be repeated, or were.
-    fn behind(&self, slot: &Slot, new: &Slot) -> c_uint {
-        let is_older = |other: &&Slot| other.is_out() && other.age(self.order) > slot.age(self.order);
-        let older = self.slots.iter().filter(is_older).count();
-        let older = c_uint::try_from(older).unwrap_or(c_uint::MAX);
-        slot.age(new.order()).saturating_add(slot.overtaken()).saturating_add(older)
-    }
-
     /// Ends a command that was sent.
     pub(super) fn end(&mut self, handle: c_int, outcome: Outcome) {
         let (order, newest) = (self.order, self.lines);
@@ -111,58 +88,5 @@ impl Session {
         for newer in self.slots.iter_mut().filter(|newer| newer.is_out() && newer.age(order) < age) {
             newer.see_end(last, newest);
         }
-    }
-
-    /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none.
-    pub(super) fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
-        let checksum = self.link.checksum != 0;
-        // Each command once, until there is one to send.
-        for _ in 0..OLP_WINDOW_MAX {
-            let Some(handle) = self.next_to_send() else { break };
-            let counter = &self.counter;
-            let Some(slot) = self.slots.iter_mut().find(|slot| slot.is_going_on() && slot.handle() == handle) else {
-                break;
-            };
-            let first = slot.is_queued();
-            let chosen = if first { counter.choose(|t| slot.sum_with(t, checksum)) } else { None };
-            if first && chosen.is_none() {
-                slot.end(Outcome::TooLong);
-                self.tell |= TELL_ENDED;
-                continue;
-            }
-            // A host that starts, or a device that does, has to find out about checksums.
-            let flip = !first && slot.is_linksetup() && slot.sent() % 2 == 1 && slot.fits(!checksum);
-            let checksum = checksum != flip;
-            let Some(length) = slot.write(chosen.unwrap_or(slot.t()), checksum, line) else {
-                slot.stay(now);
-                continue;
-            };
-            if length > room {
-                break;
-            }
-            if let Some(t) = chosen {
-                let sum = slot.sum_with(t, checksum).unwrap_or_default();
-                self.counter.sends(t, sum);
-                slot.leaves(t, sum, self.counter.advanced(), now);
-                if slot.is_linksetup()
-                    && let Some(windowsize) = slot.asks_for().and_then(|asked| asked.windowsize)
-                {
-                    self.asked = windowsize.into();
-                }
-            }
-            self.lines = self.lines.wrapping_add(1);
-            slot.put_out(checksum, self.lines, now);
-            return length;
-        }
-        0
-    }
-
-    /// The handle of the command that is to be sent next: repeats first.
-    fn next_to_send(&self) -> Option<c_int> {
-        let order = self.order;
-        let oldest =
-            |slots: &mut dyn Iterator<Item = &Slot>| slots.max_by_key(|slot| slot.age(order)).map(Slot::handle);
-        oldest(&mut self.slots.iter().filter(|slot| slot.is_due()))
-            .or_else(|| oldest(&mut self.slots.iter().filter(|slot| self.may_leave(slot))))
     }
 }

@@ -1,0 +1,80 @@
+//! What goes out: lines, one at a time.
+
+use core::ffi::c_uint;
+
+use super::event::TELL_ENDED;
+use super::{COMMAND_MAX, Outcome, Session, Slot};
+use crate::config::OLP_WINDOW_MAX;
+
+impl Session {
+    /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none.
+    pub(super) fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
+        let checksum = self.link.checksum != 0;
+        // Each command once, until there is one to send.
+        for _ in 0..OLP_WINDOW_MAX {
+            let Some(slot) = self.next_to_send().and_then(|index| self.slots.get_mut(index)) else { break };
+            let first = slot.is_queued();
+            let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t()) };
+            let Some(t) = t else {
+                slot.end(Outcome::TooLong);
+                self.tell |= TELL_ENDED;
+                continue;
+            };
+            // A host that starts, or a device that does, has to find out about checksums.
+            let flip = !first && slot.is_linksetup() && slot.sent() % 2 == 1 && slot.fits(!checksum);
+            let checksum = checksum != flip;
+            let Some(length) = slot.write(t, checksum, line) else {
+                slot.stay(now);
+                continue;
+            };
+            if length > room {
+                break;
+            }
+            if first {
+                let sum = slot.sum_with(t, checksum).unwrap_or_default();
+                self.counter.sends(t, sum);
+                slot.leaves(t, sum, self.counter.advanced(), now);
+                if slot.is_linksetup()
+                    && let Some(windowsize) = slot.asks_for().and_then(|asked| asked.windowsize)
+                {
+                    self.asked = windowsize.into();
+                }
+            }
+            self.lines = self.lines.wrapping_add(1);
+            slot.put_out(checksum, self.lines, now);
+            return length;
+        }
+        0
+    }
+
+    /// Where the command is that is to be sent next: repeats first.
+    fn next_to_send(&self) -> Option<usize> {
+        let is_repeat = self.slots.iter().any(Slot::is_due);
+        let slots = self.slots.iter().enumerate();
+        let may_go = slots.filter(|(_, slot)| if is_repeat { slot.is_due() } else { self.may_leave(slot) });
+        may_go.max_by_key(|(_, slot)| slot.age(self.order)).map(|(index, _)| index)
+    }
+
+    /// Whether a queued command's turn has come.
+    pub(super) fn may_leave(&self, slot: &Slot) -> bool {
+        // Those before it.
+        slot.is_queued()
+            && self.slots.iter().all(|other| {
+                let ahead = other.age(self.order) > slot.age(self.order);
+                let bars = other.is_queued()
+                    || other.is_linksetup()
+                    || slot.is_linksetup()
+                    || self.behind(other, slot) >= self.link.window();
+                !(ahead && other.is_going_on() && bars)
+            })
+    }
+
+    /// How many commands may be carried out behind the one that was sent, when the new one is sent too: those sent
+    /// after it, and older ones that may have to be repeated, or were.
+    fn behind(&self, slot: &Slot, new: &Slot) -> c_uint {
+        let is_older = |other: &&Slot| other.is_out() && other.age(self.order) > slot.age(self.order);
+        let older = self.slots.iter().filter(is_older).count();
+        let older = c_uint::try_from(older).unwrap_or(c_uint::MAX);
+        slot.age(new.order()).saturating_add(slot.overtaken()).saturating_add(older)
+    }
+}
