@@ -56,7 +56,13 @@ const HEADERS: [(&str, &str, &[&str]); 13] = [
     (
         "libdeltarobot/line_device.h",
         "line_device",
-        &["src/line/device.rs", "src/line/device/answers.rs", "src/line/device/input.rs", "src/line/device/setup.rs"],
+        &[
+            "src/line/device.rs",
+            "src/line/device/answers.rs",
+            "src/line/device/health.rs",
+            "src/line/device/input.rs",
+            "src/line/device/setup.rs",
+        ],
     ),
     (
         "libdeltarobot/gx.h",

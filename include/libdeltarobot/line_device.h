@@ -75,7 +75,7 @@ extern "C" {
 #define OLP_ID_MAX 10
 
 /**
- * The answer to a command.
+ * The answer to a command. Its fields are private.
  */
 struct olp_device_answer {
   /**
@@ -101,7 +101,7 @@ struct olp_device_answer {
 };
 
 /**
- * The answers to the last commands. All zero is one without any.
+ * The answers to the last commands. Its fields are private; all zero is one without any.
  */
 struct olp_device_answers {
   struct olp_device_answer slots[OLP_WINDOW_MAX];
@@ -143,7 +143,7 @@ struct olp_device_health {
 };
 
 /**
- * What a link does. All zero is how each begins: no acks, no checksums, one command at a time.
+ * What a link does. Its fields are private; all zero is how each begins: no acks, no checksums, one command at a time.
  */
 struct olp_device_setup {
   unsigned char ack;
@@ -155,7 +155,7 @@ struct olp_device_setup {
 };
 
 /**
- * What is known of the link. All zero is one that has just been connected.
+ * What is known of the link. Its fields are private; all zero is one that has just been connected.
  */
 struct olp_device_link {
   struct olp_device_answers answers;
@@ -284,7 +284,7 @@ struct olp_device_table {
 };
 
 /**
- * The line that is being received: one at a time, as long as a command may be.
+ * The line that is being received: one at a time, as long as a command may be. Its fields are private.
  */
 struct olp_device_input {
   struct olp_assembly assembly;

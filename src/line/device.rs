@@ -19,28 +19,30 @@
 
 mod answers;
 mod fault;
+mod health;
 mod input;
+mod own;
 mod setup;
 mod welcome;
 
 use core::ffi::{c_uchar, c_uint, c_ulong};
-
-pub use answers::{Answer, Answers};
-pub use fault::Fault;
-pub use input::Input;
-pub use setup::Setup;
-pub use welcome::{Welcome, is_id};
 
 use super::encoder::{EncodeError, Encoder};
 use super::message::{Checksum, Message};
 use crate::clock::span;
 use crate::config::OLP_REPLY_MAX;
 use crate::counter::count;
+pub use answers::{Answer, Answers};
+pub use fault::Fault;
+pub use health::DeviceHealth;
+pub use input::Input;
+pub use own::OWN_LINE_MAX;
+use own::write_fault;
+pub use setup::Setup;
+pub use welcome::{Welcome, is_id};
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
-/// Room for the lines that are written here, an answer's excepted.
-pub const OWN_LINE_MAX: usize = 80;
 /// For how many milliseconds after a command its repeats are expected, by default.
 pub const REPEAT_MS: u32 = 3000;
 
@@ -55,25 +57,7 @@ pub struct Request {
     place: Option<usize>,
 }
 
-/// How the link does. The counters wrap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
-pub struct DeviceHealth {
-    /// Commands that were received intact, repeats among them.
-    pub commands: c_ulong,
-    /// Commands that came again and were only answered again.
-    pub repeats: c_ulong,
-    /// Lines whose checksum was wrong or missing.
-    pub checksums: c_ulong,
-    /// Lines that could not be read.
-    pub malformed: c_ulong,
-    /// Lines that were too long.
-    pub overflows: c_ulong,
-    /// Commands that were refused: by their function, or because nobody knows their id or name.
-    pub refused: c_ulong,
-}
-
-/// What is known of the link. All zero is one that has just been connected.
+/// What is known of the link. Its fields are private; all zero is one that has just been connected.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
 pub struct DeviceLink {
@@ -90,8 +74,8 @@ pub struct DeviceLink {
 }
 
 impl DeviceLink {
-    /// A link that has just been connected, on which repeats are expected for so many milliseconds, 0 standing for
-    /// [`REPEAT_MS`].
+    /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
+    /// connected.
     pub const fn expect_repeats_for(&mut self, repeat_ms: c_ulong) {
         self.repeat_ms = repeat_ms;
     }
@@ -154,52 +138,6 @@ impl DeviceLink {
     pub fn change_setup(&mut self, message: &Message) {
         self.setup.change(message);
         self.answers.forget();
-    }
-
-    /// Writes the ack of a command, if commands are acked: 0 if not.
-    pub fn ack(&self, request: &Request, id: &[u8], room: &mut [u8]) -> usize {
-        if !self.setup.acks() {
-            return 0;
-        }
-        let mut line = Encoder::begin(room, b"ack");
-        if self.setup.checks() {
-            line.hex(b"checksum", request.sum);
-        } else {
-            line.text(b"checksum", b"null");
-        }
-        end(&mut line, request.t, id)
-    }
-
-    /// Writes what answers a linksetup, which may have asked for a window.
-    pub fn setup_answer(&mut self, message: &Message, id: &[u8], room: &mut [u8]) -> usize {
-        let with_window = self.setup.window() != 1 || message.get(b"windowsize").is_some();
-        let mut line = Encoder::begin(room, b"linksetup_resp");
-        self.setup.write(&mut line, with_window);
-        let length = line.text(b"id", id).int(b"t", self.next.into()).finish(false).unwrap_or(0);
-        self.advance(1);
-        length
-    }
-
-    /// Puts a setup in force, and writes the event that tells so.
-    pub fn setup_event(&mut self, setup: Setup, id: &[u8], room: &mut [u8]) -> usize {
-        self.setup = setup;
-        self.answers.forget();
-        let mut line = Encoder::begin(room, b"linksetup");
-        setup.write(&mut line, true);
-        let length = end(&mut line, Some(self.next), id);
-        self.advance(1);
-        length
-    }
-
-    /// Writes an `onerror`; `request` is the command that a final one answers.
-    pub fn fault(&mut self, fault: Fault, request: Option<&Request>, id: &[u8], room: &mut [u8]) -> usize {
-        self.count(fault);
-        let Some(request) = request else {
-            let length = write_fault(fault, Some(self.next), id, room);
-            self.advance(1);
-            return length;
-        };
-        write_fault(fault, request.t, id, room)
     }
 
     /// The answer to a command that was executed before.
@@ -279,21 +217,6 @@ impl DeviceLink {
 #[must_use]
 pub fn is_setup(message: &Message) -> bool {
     message.command().is(b"linksetup")
-}
-
-fn write_fault(fault: Fault, t: Option<u8>, id: &[u8], room: &mut [u8]) -> usize {
-    end(Encoder::begin(room, b"onerror").text(b"code", fault.code()), t, id)
-}
-
-/// Ends a line by t and id, those that there are.
-fn end(line: &mut Encoder, t: Option<u8>, id: &[u8]) -> usize {
-    if let Some(t) = t {
-        line.int(b"t", t.into());
-    }
-    if !id.is_empty() {
-        line.text(b"id", id);
-    }
-    line.finish(false).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -392,33 +315,6 @@ mod tests {
             assert_eq!(answer.starts_with("c=x_respy"), fits, "{fill}");
             assert_eq!(answer == "c=onerror&code=toolong&t=200&id=9o5qzg\n", !fits, "{fill}");
             device.next = 0;
-        }
-    }
-
-    #[test]
-    fn every_own_line_fits_its_room() {
-        let id = [b'x'; ID_MAX];
-        let setup = Setup::new(false, true, u16::MAX);
-        let mut device = DeviceLink { next: 255, setup: Setup::new(true, true, 1), ..DeviceLink::default() };
-        let mut room = [0; OWN_LINE_MAX];
-        let request = Request { t: Some(255), sum: 0xFFFF, place: None };
-        assert_ne!(device.ack(&request, &id, &mut room), 0);
-        assert_ne!(device.setup_event(setup, &id, &mut room), 0);
-        device.next = 255;
-        let message = Message::parse(b"c=linksetup&windowsize=1").unwrap();
-        assert_ne!(device.setup_answer(&message, &id, &mut room), 0);
-        for fault in [
-            Fault::Checksum,
-            Fault::Overflow,
-            Fault::Malformed,
-            Fault::UnknownId,
-            Fault::UnknownCommand,
-            Fault::Refused,
-            Fault::TooLong,
-        ] {
-            assert_ne!(device.fault(fault, Some(&request), &id, &mut room), 0);
-            // In place of an answer, whatever that may have.
-            assert_ne!(device.fault(fault, Some(&request), &id, &mut [0; 64]), 0);
         }
     }
 }

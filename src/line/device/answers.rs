@@ -13,7 +13,7 @@ use crate::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
 /// and the device not seen.
 const AGE_MAX: u16 = 192;
 
-/// The answer to a command.
+/// The answer to a command. Its fields are private.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Answer {
@@ -29,7 +29,7 @@ pub struct Answer {
     text: [c_uchar; OLP_REPLY_MAX],
 }
 
-/// The answers to the last commands. All zero is one without any.
+/// The answers to the last commands. Its fields are private; all zero is one without any.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Answers {

@@ -6,7 +6,7 @@ use super::Fault;
 use crate::line::encoder::COMMAND_MAX;
 use crate::line::receiver::{Assembly, Received};
 
-/// The line that is being received: one at a time, as long as a command may be.
+/// The line that is being received: one at a time, as long as a command may be. Its fields are private.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Input {

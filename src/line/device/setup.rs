@@ -7,7 +7,7 @@ use super::super::message::Message;
 use super::super::value::Value;
 use crate::config::OLP_WINDOW_MAX;
 
-/// What a link does. All zero is how each begins: no acks, no checksums, one command at a time.
+/// What a link does. Its fields are private; all zero is how each begins: no acks, no checksums, one command at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Setup {
