@@ -7,7 +7,7 @@ use crate::config::FAST;
 /// The sum of no bytes.
 pub const EMPTY_SUM: u16 = 0xFFFF;
 
-/// Bytes after which a sum of sums must be folded. Twice as many would still fit 32 bits.
+/// Bytes after which sums are folded. Those of 5,802 would still fit 32 bits.
 const BLOCK: usize = 4096;
 
 /// The checksum of some bytes.

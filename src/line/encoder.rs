@@ -3,29 +3,22 @@
 //! What is sent is strict (page "Ozeki Line Protocol", section "Rules"): names are of `[a-z0-9]`, values encoded, and a
 //! command is no longer than the serial buffer of the device that it is for.
 
-use core::ffi::{c_long, c_ulong};
+mod integer;
+
+use core::ffi::c_long;
 
 use super::checksum::fletcher16;
 use super::message::Params;
-use crate::config::FAST;
 use crate::decimal;
 
 /// Bytes of the longest line that a PC sends, with its checksum and its end.
 pub const COMMAND_MAX: usize = 64;
-/// Bytes that the checksum and the end take.
-pub const TAIL_MAX: usize = 8;
 
 /// Most decimals that a float can be written with.
 pub const DECIMALS_MAX: u8 = decimal::DECIMALS_MAX;
 
 /// The bits that infinities and NaNs have in common.
 const INFINITE: u32 = 0x7F80_0000;
-
-/// Digits that an integer has at most, one of 64 bits.
-const DIGITS_MAX: usize = 20;
-/// The largest power of ten that a `long` holds.
-#[expect(clippy::cast_possible_truncation, reason = "at most 19")]
-const TEN_EXPONENT: u8 = c_ulong::MAX.ilog10() as u8;
 
 /// Why a line can't be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,22 +136,7 @@ impl<'a> Encoder<'a> {
         if value < 0 {
             self.put(b'-');
         }
-        let mut rest = value.unsigned_abs();
-        if !FAST {
-            self.put_slowly(rest);
-            return self;
-        }
-        let mut digits = [0; DIGITS_MAX];
-        let mut count = 0_usize;
-        for place in digits.iter_mut().rev() {
-            *place = b'0'.wrapping_add(u8::try_from(rest % 10).unwrap_or_default());
-            count = count.wrapping_add(1);
-            rest /= 10;
-            if rest == 0 {
-                break;
-            }
-        }
-        self.put_all(digits.get(DIGITS_MAX.wrapping_sub(count)..).unwrap_or_default());
+        self.put_integer(value.unsigned_abs());
         self
     }
 
@@ -221,28 +199,6 @@ impl<'a> Encoder<'a> {
         }
     }
 
-    /// An integer without a division, which takes a kilobyte of flash on some controllers.
-    fn put_slowly(&mut self, mut rest: c_ulong) {
-        let ten_to = |exponent: u8| (0..exponent).fold(1 as c_ulong, |power, _| power.wrapping_mul(10));
-        let mut exponent = TEN_EXPONENT;
-        while exponent > 0 && ten_to(exponent) > rest {
-            exponent = exponent.wrapping_sub(1);
-        }
-        loop {
-            let power = ten_to(exponent);
-            let mut digit = b'0';
-            while rest >= power {
-                rest = rest.wrapping_sub(power);
-                digit = digit.wrapping_add(1);
-            }
-            self.put(digit);
-            match exponent.checked_sub(1) {
-                Some(next) => exponent = next,
-                None => return,
-            }
-        }
-    }
-
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn put(&mut self, byte: u8) {
         if self.error.is_some() {
@@ -280,26 +236,10 @@ const fn digit(value: u8, ten: u8) -> u8 {
 mod tests {
     use super::{COMMAND_MAX, EncodeError, Encoder};
     use crate::line::{Checksum, Message};
-    use core::ffi::{c_long, c_ulong};
+    use core::ffi::c_long;
     use proptest::prelude::*;
     use std::string::String;
     use std::vec::Vec;
-
-    /// The way that only small targets take, checked here too.
-    #[test]
-    fn integers_without_division() {
-        let edges = (0..20).filter_map(|exponent| 10_u64.checked_pow(exponent));
-        for edge in edges.chain([0, 7, 255, 65_535, 1_234_567_890, c_ulong::MAX]) {
-            for value in [edge.wrapping_sub(1), edge, edge.saturating_add(1)] {
-                let value = value as c_ulong;
-                let mut room = [0; 24];
-                let mut encoder = Encoder::resume(&mut room, 0);
-                encoder.put_slowly(value);
-                let length = encoder.length();
-                assert_eq!(room[..length], *std::format!("{value}").as_bytes());
-            }
-        }
-    }
 
     /// The line that is built in a buffer of 256 bytes.
     fn built(

@@ -28,7 +28,7 @@ mod receiver;
 mod value;
 
 pub use checksum::{EMPTY_SUM, fletcher16, fletcher16_more};
-pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder, TAIL_MAX};
+pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
 pub use message::{Checksum, Malformed, Message, Param, Params};
 pub use receiver::{Assembly, LINE_SIZE, LineByte, Received, Receiver};
 pub use value::{Decoded, NumberError, TooLong, Value};
