@@ -1,5 +1,7 @@
 //! The codes of `onerror`. The page knows that there are some, and names none.
 
+use crate::line::value::Value;
+
 /// Why a line is not answered as its sender wished: the code of an `onerror`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
@@ -20,6 +22,22 @@ pub enum Fault {
 }
 
 impl Fault {
+    pub(super) const ALL: [Self; 7] = [
+        Self::Checksum,
+        Self::Overflow,
+        Self::Malformed,
+        Self::UnknownId,
+        Self::UnknownCommand,
+        Self::Refused,
+        Self::TooLong,
+    ];
+
+    /// The one that has this code.
+    #[must_use]
+    pub fn of(code: Value<'_>) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| code.is(fault.code()))
+    }
+
     /// The code in words of the protocol.
     #[must_use]
     pub const fn code(self) -> &'static [u8] {

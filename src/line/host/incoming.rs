@@ -9,6 +9,7 @@ use super::event::{
 use super::{Link, Message, Outcome, Session, Slot};
 use crate::counter::count;
 use crate::line::Value;
+use crate::line::device::Fault;
 use crate::line::message::same;
 
 impl Session {
@@ -149,14 +150,13 @@ impl Session {
         self.tell |= TELL_ERROR;
         self.concerned = 0;
         self.own_setup = 0;
-        let code = message.get(b"code").unwrap_or_default();
-        let unknown = code.is(b"unknowncommand") || code.is(b"unknownid");
-        let done = code.is(b"toolong");
-        if unknown || done || code.is(b"refused") {
-            self.refused(message, acked, if done { Outcome::Answered } else { Outcome::Refused });
-        } else {
-            self.counted(message);
-            self.damaged(code.is(b"checksum"), now);
+        match message.get(b"code").and_then(Fault::of) {
+            Some(Fault::TooLong) => self.refused(message, acked, Outcome::Answered),
+            Some(fault) if fault.is_final() => self.refused(message, acked, Outcome::Refused),
+            fault => {
+                self.counted(message);
+                self.damaged(fault == Some(Fault::Checksum), now);
+            }
         }
     }
 

@@ -109,28 +109,20 @@ impl Devices {
         if write(&mut id, Some(told)) {
             return (Listed::IdTooLong, false);
         }
-        let index = match self.all().iter().position(|device| same(&device.id, &id)) {
-            Some(index) => index,
-            None if self.all().len() < OLP_DEVICES_MAX => {
-                let index = self.all().len();
-                self.count = c_int::try_from(index.wrapping_add(1)).unwrap_or_default();
-                if let Some(signed_in) = self.signed_in.get_mut(index) {
-                    *signed_in = 0;
-                }
-                index
-            }
-            None => return (Listed::Full, false),
-        };
-        let restarted = self.signed_in.get(index).is_some_and(|signed_in| *signed_in != 0);
-        if restarted {
-            for signed_in in &mut self.signed_in {
+        let known = self.all().iter().position(|device| same_text(&device.id, &id));
+        let index = known.unwrap_or(self.all().len());
+        let Some(device) = self.device.get_mut(index) else { return (Listed::Full, false) };
+        if known.is_none() {
+            self.count = c_int::try_from(index.wrapping_add(1)).unwrap_or_default();
+        }
+        let restarted = known.is_some() && self.signed_in.get(index).is_some_and(|signed_in| *signed_in != 0);
+        for (place, signed_in) in self.signed_in.iter_mut().enumerate() {
+            if place == index {
+                *signed_in = 1;
+            } else if restarted {
                 *signed_in = 0;
             }
         }
-        if let Some(signed_in) = self.signed_in.get_mut(index) {
-            *signed_in = 1;
-        }
-        let Some(device) = self.device.get_mut(index) else { return (Listed::Full, false) };
         for (place, byte) in device.id.iter_mut().zip(id) {
             *place = byte;
         }
@@ -161,7 +153,7 @@ fn write(out: &mut [LineByte], value: Option<Value<'_>>) -> bool {
 }
 
 /// Whether two texts are the same up to their first zero.
-fn same(one: &[LineByte], other: &[LineByte]) -> bool {
+fn same_text(one: &[LineByte], other: &[LineByte]) -> bool {
     let text = |bytes: &'_ [LineByte]| bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
     one.iter().take(text(one)).eq(other.iter().take(text(other)))
 }
