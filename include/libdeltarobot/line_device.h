@@ -240,7 +240,7 @@ struct olp_command {
 
 /**
  * Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
- * line asks again.
+ * line asks again. It may use the device, which however receives nothing while a line is being answered.
  *
  * ```c
  * int send_line(const void *line, int bytes, void *usr)
@@ -276,9 +276,9 @@ struct olp_device_table {
    */
   olp_send_func_t send;
   /**
-   * For how many milliseconds after a command, or its last repeat, a repeat is recognised; 0 stands for 3000. It has
-   * to be more than the other end waits before it repeats. After that, the same line with the same t is a new
-   * command.
+   * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0 stands
+   * for 3000. It has to be more than the other end waits before it repeats. After that, the same line with the same
+   * t is a new command.
    */
   unsigned long repeat_ms;
 };
@@ -454,7 +454,9 @@ int olp_device_event(struct olp_device *device,
 OLP_SIZED("olp_device_event");
 
 /**
- * How the link does: NULL when device is, else counters that live and change with the device.
+ * How the link does.
+ *
+ * Returns counters that live and change with the device, or NULL when device is.
  *
  * ```c
  * const struct olp_device_health *health = olp_device_get_health(&device);

@@ -766,7 +766,9 @@ int olp_host_get_device(const struct olp_host *host,
 OLP_SIZED("olp_host_get_device");
 
 /**
- * How the link does: NULL when host is, else counters that live and change with the session.
+ * How the link does.
+ *
+ * Returns counters that live and change with the session, or NULL when host is.
  *
  * ```c
  * const struct olp_host_health *health = olp_host_get_health(&host);

@@ -41,7 +41,7 @@ pub const OLP_ID_MAX: c_int = 10;
 pub type RunFunc =
     Option<unsafe extern "C" fn(command: *const LineMessage, answer: *mut LineEncoder, usr: *mut c_void) -> c_int>;
 /// Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
-/// line asks again.
+/// line asks again. It may use the device, which however receives nothing while a line is being answered.
 ///
 /// ```c
 /// int send_line(const void *line, int bytes, void *usr)
@@ -93,9 +93,9 @@ pub struct DeviceTable {
     pub command_count: c_int,
     /// Sends a line.
     pub send: LineSendFunc,
-    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised; 0 stands for 3000. It has
-    /// to be more than the other end waits before it repeats. After that, the same line with the same t is a new
-    /// command.
+    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0 stands
+    /// for 3000. It has to be more than the other end waits before it repeats. After that, the same line with the same
+    /// t is a new command.
     pub repeat_ms: c_ulong,
 }
 
@@ -342,7 +342,9 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
 }
 sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int);
 
-/// How the link does: NULL when device is, else counters that live and change with the device.
+/// How the link does.
+///
+/// Returns counters that live and change with the device, or NULL when device is.
 ///
 /// ```c
 /// const struct olp_device_health *health = olp_device_get_health(&device);

@@ -345,7 +345,9 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
 }
 sized_alias!(olp: olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);
 
-/// How the link does: NULL when host is, else counters that live and change with the session.
+/// How the link does.
+///
+/// Returns counters that live and change with the session, or NULL when host is.
 ///
 /// ```c
 /// const struct olp_host_health *health = olp_host_get_health(&host);

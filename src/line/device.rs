@@ -11,8 +11,8 @@
 //!
 //! - `t` counts the messages of both ends: one that is sent has the next, one that is received moves the counter
 //!   forward, never back. Acks have their command's t, welcomes none.
-//! - An `onerror` in place of an answer (see [`Fault::is_final`]) has its command's t and id, so that it can be told
-//!   which command it answers. Any other is an event like others.
+//! - An `onerror` in place of an answer has its command's t and id, so that it can be told which command it answers.
+//!   Any other is an event like others.
 //! - A command may have a checksum when none is in force; a wrong one is never executed.
 //! - A host that was restarted does not know that checksums are in force. Its `linksetup` without one is believed when
 //!   it comes twice in the same words: what was damaged does not.

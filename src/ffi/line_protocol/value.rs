@@ -69,11 +69,7 @@ pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_char, cap: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let (value, room) = unsafe { (value_of(param), room_of(buf.cast(), cap)) };
-    match (value, room) {
-        (Some(value), Some(room)) => decode(value, room),
-        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
-    }
+    unsafe { decode(value_of(param), room_of(buf.cast(), cap)) }
 }
 
 /// Whether a parameter's decoded value is that text.
@@ -91,10 +87,7 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
-    match unsafe { (value_of(param), text_of(text)) } {
-        (Some(value), Some(text)) => value.is(text).into(),
-        _ => 0,
-    }
+    unsafe { is(value_of(param), text_of(text)) }
 }
 
 /// `olp_find` and `olp_value_int` in one.
@@ -118,12 +111,7 @@ pub unsafe extern "C" fn olp_get_int(
     value: *mut c_long,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe {
-        match find(message, name, occurrence) {
-            Ok(param) => store(Some(param.value.int()), value),
-            Err(code) => code,
-        }
-    }
+    unsafe { store(named(message, name, occurrence).map(Value::int), value) }
 }
 
 /// `olp_find` and `olp_value_float` in one.
@@ -147,12 +135,7 @@ pub unsafe extern "C" fn olp_get_float(
     value: *mut c_float,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe {
-        match find(message, name, occurrence) {
-            Ok(param) => store(Some(param.value.float()), value),
-            Err(code) => code,
-        }
-    }
+    unsafe { store(named(message, name, occurrence).map(Value::float), value) }
 }
 
 /// `olp_find` and `olp_value_string` in one.
@@ -177,11 +160,7 @@ pub unsafe extern "C" fn olp_get_string(
     cap: c_int,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    match unsafe { (find(message, name, occurrence), room_of(buf.cast(), cap)) } {
-        (Ok(param), Some(room)) => decode(param.value, room),
-        (Err(code), Some(_)) => code.wrapping_neg(),
-        (_, None) => OLP_RC_ERROR_GENERIC.wrapping_neg(),
-    }
+    unsafe { decode(named(message, name, occurrence), room_of(buf.cast(), cap)) }
 }
 
 /// `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
@@ -204,21 +183,24 @@ pub unsafe extern "C" fn olp_is(
     text: *const c_char,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    match unsafe { (find(message, name, occurrence), text_of(text)) } {
-        (Ok(param), Some(text)) => param.value.is(text).into(),
-        _ => 0,
-    }
+    unsafe { is(named(message, name, occurrence), text_of(text)) }
 }
 
 /// # Safety
 ///
 /// As for [`olp_value_int`].
-unsafe fn value_of<'a>(param: *const LineParam) -> Option<Value<'a>> {
+unsafe fn value_of<'a>(param: *const LineParam) -> Result<Value<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
-    unsafe {
-        let param = param.as_ref()?;
-        bytes_of(param.value.cast(), param.value_length).map(Value::new)
-    }
+    let bytes = unsafe { param.as_ref().and_then(|param| bytes_of(param.value.cast(), param.value_length)) };
+    bytes.map(Value::new).ok_or(OLP_RC_ERROR_GENERIC)
+}
+
+/// # Safety
+///
+/// As for [`olp_get_int`].
+unsafe fn named<'a>(message: *const LineMessage, name: *const c_char, occurrence: c_int) -> Result<Value<'a>, c_int> {
+    // SAFETY: as the contract of this function asks.
+    unsafe { find(message, name, occurrence) }.map(|param| param.value)
 }
 
 /// Hands a number to C.
@@ -226,19 +208,25 @@ unsafe fn value_of<'a>(param: *const LineParam) -> Option<Value<'a>> {
 /// # Safety
 ///
 /// out is NULL or points to a writable number.
-unsafe fn store<T>(number: Option<Result<T, NumberError>>, out: *mut T) -> c_int {
+unsafe fn store<T>(number: Result<Result<T, NumberError>, c_int>, out: *mut T) -> c_int {
     // SAFETY: as the contract of this function asks.
     match (number, unsafe { out.as_mut() }) {
-        (Some(Ok(number)), Some(out)) => *out = number,
-        (Some(Err(NumberError::Malformed)), Some(_)) => return OLP_RC_MALFORMED,
-        (Some(Err(NumberError::Range)), Some(_)) => return OLP_RC_RANGE,
-        _ => return OLP_RC_ERROR_GENERIC,
+        (Ok(Ok(number)), Some(out)) => *out = number,
+        (Ok(Err(NumberError::Malformed)), Some(_)) => return OLP_RC_MALFORMED,
+        (Ok(Err(NumberError::Range)), Some(_)) => return OLP_RC_RANGE,
+        (Ok(_), None) => return OLP_RC_ERROR_GENERIC,
+        (Err(code), _) => return code,
     }
     OLP_RC_SUCCESS
 }
 
 /// Writes a decoded value and a zero byte.
-fn decode(value: Value<'_>, room: &mut [MaybeUninit<u8>]) -> c_int {
+fn decode(value: Result<Value<'_>, c_int>, room: Option<&mut [MaybeUninit<u8>]>) -> c_int {
+    let Some(room) = room else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
+    let value = match value {
+        Ok(value) => value,
+        Err(code) => return code.wrapping_neg(),
+    };
     let length = value.len();
     let fits = length < room.len();
     if fits {
@@ -250,4 +238,8 @@ fn decode(value: Value<'_>, room: &mut [MaybeUninit<u8>]) -> c_int {
         behind.write(0);
     }
     if fits { int(length) } else { OLP_RC_TOO_LONG.wrapping_neg() }
+}
+
+fn is(value: Result<Value<'_>, c_int>, text: Option<&[u8]>) -> c_int {
+    value.is_ok_and(|value| text.is_some_and(|text| value.is(text))).into()
 }

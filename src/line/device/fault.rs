@@ -1,8 +1,7 @@
 //! The codes of `onerror`. The page knows that there are some, and names none.
 
-use crate::line::value::Value;
-
-/// Why a line is not answered as its sender wished: the code of an `onerror`.
+/// Why a line is not answered as its sender wished: the code of an `onerror`. To repeat a command helps against the
+/// first three; the others answer one that was received intact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The line's checksum is wrong, or there is none and should be.
@@ -22,22 +21,6 @@ pub enum Fault {
 }
 
 impl Fault {
-    pub(super) const ALL: [Self; 7] = [
-        Self::Checksum,
-        Self::Overflow,
-        Self::Malformed,
-        Self::UnknownId,
-        Self::UnknownCommand,
-        Self::Refused,
-        Self::TooLong,
-    ];
-
-    /// The one that has this code.
-    #[must_use]
-    pub fn of(code: Value<'_>) -> Option<Self> {
-        Self::ALL.into_iter().find(|fault| code.is(fault.code()))
-    }
-
     /// The code in words of the protocol.
     #[must_use]
     pub const fn code(self) -> &'static [u8] {
@@ -50,11 +33,5 @@ impl Fault {
             Self::Refused => b"refused",
             Self::TooLong => b"toolong",
         }
-    }
-
-    /// Whether it answers a command that was received intact: to repeat that is of no use.
-    #[must_use]
-    pub const fn is_final(self) -> bool {
-        !matches!(self, Self::Checksum | Self::Overflow | Self::Malformed)
     }
 }

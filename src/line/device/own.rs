@@ -87,7 +87,15 @@ mod tests {
         device.next = 255;
         let message = Message::parse(b"c=linksetup&windowsize=1").unwrap();
         assert_ne!(device.setup_answer(&message, &id, &mut room), 0);
-        for fault in Fault::ALL {
+        for fault in [
+            Fault::Checksum,
+            Fault::Overflow,
+            Fault::Malformed,
+            Fault::UnknownId,
+            Fault::UnknownCommand,
+            Fault::Refused,
+            Fault::TooLong,
+        ] {
             assert_ne!(device.fault(fault, Some(&request), &id, &mut room), 0);
             // In place of an answer, whatever that may have.
             assert_ne!(device.fault(fault, Some(&request), &id, &mut [0; 64]), 0);

@@ -150,13 +150,14 @@ impl Session {
         self.tell |= TELL_ERROR;
         self.concerned = 0;
         self.own_setup = 0;
-        match message.get(b"code").and_then(Fault::of) {
-            Some(Fault::TooLong) => self.refused(message, acked, Outcome::Answered),
-            Some(fault) if fault.is_final() => self.refused(message, acked, Outcome::Refused),
-            fault => {
-                self.counted(message);
-                self.damaged(fault == Some(Fault::Checksum), now);
-            }
+        let code = message.get(b"code").unwrap_or_default();
+        let is = |fault: Fault| code.is(fault.code());
+        let done = is(Fault::TooLong);
+        if done || is(Fault::UnknownCommand) || is(Fault::UnknownId) || is(Fault::Refused) {
+            self.refused(message, acked, if done { Outcome::Answered } else { Outcome::Refused });
+        } else {
+            self.counted(message);
+            self.damaged(is(Fault::Checksum), now);
         }
     }
 
