@@ -326,10 +326,7 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
         if (*device).welcomed < (*(*device).table).device_count {
             return OLP_RC_BUSY;
         }
-        let mut line = match resume(event) {
-            Ok(line) => line,
-            Err(code) => return code,
-        };
+        let Some(mut line) = resume(event) else { return event.error };
         let written = (*device).link.finish_event(&mut line, id);
         keep(event, &line);
         let rc = event.error;

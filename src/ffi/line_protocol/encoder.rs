@@ -218,15 +218,12 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
     // SAFETY: as the contract of this function asks.
-    let code = match unsafe { resume(encoder) } {
-        Ok(mut line) => {
-            // What it says is kept.
-            let _ = line.finish(checksum != 0);
-            keep(encoder, &line);
-            encoder.error
-        }
-        Err(code) => code,
-    };
+    if let Some(mut line) = unsafe { resume(encoder) } {
+        // What it says is kept.
+        let _ = line.finish(checksum != 0);
+        keep(encoder, &line);
+    }
+    let code = encoder.error;
     encoder.error = OLP_RC_ERROR_GENERIC;
     if code == OLP_RC_SUCCESS { encoder.length } else { code.wrapping_neg() }
 }
@@ -271,39 +268,39 @@ unsafe fn add<'a, T>(
     // SAFETY: as the contract of this function asks.
     let (Some(encoder), name) = (unsafe { (encoder.as_mut(), text_of(name)) }) else { return OLP_RC_ERROR_GENERIC };
     // SAFETY: as the contract of this function asks.
-    match (unsafe { resume(encoder) }, name, value) {
-        (Ok(mut line), Some(name), Some(value)) => {
+    if let Some(mut line) = unsafe { resume(encoder) } {
+        if let (Some(name), Some(value)) = (name, value) {
             put(&mut line, name, value);
             keep(encoder, &line);
-        }
-        (Ok(_), ..) => {
+        } else {
             // SAFETY: as the contract of this function asks.
             if let Some([first, ..]) = unsafe { room_for(encoder) } {
                 *first = 0;
             }
             encoder.error = OLP_RC_ERROR_GENERIC;
         }
-        (Err(code), ..) => encoder.error = code,
     }
     encoder.error
 }
 
-/// The line that an encoder is at.
-///
-/// # Errors
-///
-/// The code of why there is none: what failed before, or that it was never begun.
+/// The line that an encoder is at, if nothing has failed. It has failed, too, if it was never begun.
 ///
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-pub(in crate::ffi) unsafe fn resume<'a>(encoder: &LineEncoder) -> Result<Encoder<'a>, c_int> {
-    // SAFETY: as the contract of this function asks.
-    match (encoder.error, usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
-        (OLP_RC_SUCCESS, Ok(length), Some(room)) => Ok(Encoder::resume(room, length)),
-        (OLP_RC_SUCCESS, ..) => Err(OLP_RC_ERROR_GENERIC),
-        (code, ..) => Err(code),
+pub(in crate::ffi) unsafe fn resume<'a>(encoder: &mut LineEncoder) -> Option<Encoder<'a>> {
+    if encoder.error != OLP_RC_SUCCESS {
+        return None;
     }
+    // SAFETY: as the contract of this function asks.
+    let line = match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
+        (Ok(length), Some(room)) => Some(Encoder::resume(room, length)),
+        _ => None,
+    };
+    if line.is_none() {
+        encoder.error = OLP_RC_ERROR_GENERIC;
+    }
+    line
 }
 
 /// The buffer of a line, as far as the line may reach.

@@ -111,7 +111,7 @@ pub unsafe extern "C" fn olp_get_int(
     value: *mut c_long,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { store(named(message, name, occurrence).map(Value::int), value) }
+    unsafe { store(find(message, name, occurrence).map(|param| param.value.int()), value) }
 }
 
 /// `olp_find` and `olp_value_float` in one.
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn olp_get_float(
     value: *mut c_float,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { store(named(message, name, occurrence).map(Value::float), value) }
+    unsafe { store(find(message, name, occurrence).map(|param| param.value.float()), value) }
 }
 
 /// `olp_find` and `olp_value_string` in one.
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn olp_get_string(
     cap: c_int,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { decode(named(message, name, occurrence), room_of(buf.cast(), cap)) }
+    unsafe { decode(find(message, name, occurrence).map(|param| param.value), room_of(buf.cast(), cap)) }
 }
 
 /// `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn olp_is(
     text: *const c_char,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { is(named(message, name, occurrence), text_of(text)) }
+    unsafe { is(find(message, name, occurrence).map(|param| param.value), text_of(text)) }
 }
 
 /// # Safety
@@ -193,14 +193,6 @@ unsafe fn value_of<'a>(param: *const LineParam) -> Result<Value<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
     let bytes = unsafe { param.as_ref().and_then(|param| bytes_of(param.value.cast(), param.value_length)) };
     bytes.map(Value::new).ok_or(OLP_RC_ERROR_GENERIC)
-}
-
-/// # Safety
-///
-/// As for [`olp_get_int`].
-unsafe fn named<'a>(message: *const LineMessage, name: *const c_char, occurrence: c_int) -> Result<Value<'a>, c_int> {
-    // SAFETY: as the contract of this function asks.
-    unsafe { find(message, name, occurrence) }.map(|param| param.value)
 }
 
 /// Hands a number to C.
