@@ -276,9 +276,9 @@ struct olp_device_table {
    */
   olp_send_func_t send;
   /**
-   * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0 stands
-   * for 3000. It has to be more than the other end waits before it repeats. After that, the same line with the same
-   * t is a new command.
+   * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
+   * stands for 3000. It has to be more than the other end waits before it repeats. After that, the same line with
+   * the same t is a new command.
    */
   unsigned long repeat_ms;
 };

@@ -712,9 +712,9 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
  * zero byte stands behind it where the buffer has room for one.
  *
- * Returns the length of the line, its line feed counted; or minus what the first call for this line returned that
- * failed, or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is
- * zero then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
+ * Returns the length of the line, its line feed counted; minus what the first call for this line returned that failed,
+ * or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is zero
+ * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
  *
  * ```c
  * int length = olp_finish(&encoder, 1);

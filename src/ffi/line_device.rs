@@ -93,9 +93,9 @@ pub struct DeviceTable {
     pub command_count: c_int,
     /// Sends a line.
     pub send: LineSendFunc,
-    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0 stands
-    /// for 3000. It has to be more than the other end waits before it repeats. After that, the same line with the same
-    /// t is a new command.
+    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
+    /// stands for 3000. It has to be more than the other end waits before it repeats. After that, the same line with
+    /// the same t is a new command.
     pub repeat_ms: c_ulong,
 }
 
