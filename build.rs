@@ -14,11 +14,16 @@ const FAMILIES: [&str; 3] = ["DP", "OLP", "GX"];
 const HEADERS: [(&str, &str, &[&str]); 13] = [
     ("libdeltarobot/protocol.h", "protocol", &["src/deltarobot/ring.rs"]),
     ("libdeltarobot/protocol_ext.h", "protocol_ext", &[]),
-    ("libdeltarobot/payload.h", "payload", &[]),
+    (
+        "libdeltarobot/payload.h",
+        "payload",
+        &["src/ffi/payload/building.rs", "src/ffi/payload/reading.rs", "src/ffi/payload/text.rs"],
+    ),
     (
         "libdeltarobot/host.h",
         "host",
         &[
+            "src/ffi/host/event.rs",
             "src/deltarobot/host.rs",
             "src/deltarobot/host/health.rs",
             "src/deltarobot/host/link.rs",

@@ -74,6 +74,11 @@ extern "C" {
 #define DP_RC_NO_EVENT 6
 
 /**
+ * Room that three requests take, more than which are never to be sent at a time.
+ */
+#define DP_HOST_OUTPUT_MAX 27
+
+/**
  * Event: a message was received; `msg` holds it. Only where the settings ask for these events.
  */
 #define DP_HOST_MESSAGE 1
@@ -127,11 +132,6 @@ extern "C" {
  * Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
  */
 #define DP_HOST_TIMED_OUT 5
-
-/**
- * Room that three requests take, more than which are never to be sent at a time.
- */
-#define DP_HOST_OUTPUT_MAX 27
 
 /**
  * Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times of more than

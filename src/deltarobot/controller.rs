@@ -18,6 +18,20 @@
 //! request for what is being done already, sent again because its ack was lost, is accepted without starting anew.
 //!
 //! At the end of an operation there is an `s`, and before it, where asked for, the specification's `h`, `m` or `e`.
+//!
+//! ```
+//! use deltarobot::deltarobot::controller::{Dispatcher, Judgement};
+//! use deltarobot::deltarobot::{Message, Position, Report};
+//!
+//! let mut controller = Dispatcher::new();
+//! controller.ring().append(b"$H\0\xA6:").unwrap();
+//! let order = controller.order(false).unwrap();
+//! let judgement = controller.judge(&order, &Report::new(Position::UNKNOWN, 0));
+//! assert_eq!(judgement, Judgement::Home);
+//! // The arms start; `A` and `s` are sent; some time later they stand.
+//! controller.began(&judgement);
+//! assert_eq!(controller.ended(&Report::new(Position([0; 3]), 0)), Some(Some(Message::HomingFinished)));
+//! ```
 
 use core::ffi::{c_int, c_uchar};
 

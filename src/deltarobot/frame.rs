@@ -18,6 +18,26 @@ pub const FRAME_OVERHEAD: usize = 5;
 /// Bytes of the longest frame.
 pub const FRAME_MAX: usize = DP_DATA_MAX_SIZE.wrapping_add(FRAME_OVERHEAD);
 
+/// A byte of the memory that frames and payloads are written to, which need not be initialised.
+pub trait Place: Copy {
+    /// That byte, in such memory.
+    fn of(byte: u8) -> Self;
+}
+
+impl Place for u8 {
+    #[inline(always)]
+    fn of(byte: u8) -> Self {
+        byte
+    }
+}
+
+impl Place for MaybeUninit<u8> {
+    #[inline(always)]
+    fn of(byte: u8) -> Self {
+        Self::new(byte)
+    }
+}
+
 /// A frame that was found intact, seen where it lies in the ring.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -60,17 +80,17 @@ impl Payload<'_> {
 
     /// Copies as many bytes as fit, and leaves the rest of `out` as it is.
     #[inline(always)]
-    pub fn copy_to(&self, out: &mut [MaybeUninit<u8>]) {
+    pub fn copy_to<P: Place>(&self, out: &mut [P]) {
         if FAST {
             if let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
-                return bytes::copy(payload, out, MaybeUninit::new);
+                return bytes::copy(payload, out, P::of);
             }
             let (first, rest) = shortcut::pieces(self.ring, self.begin, self.length);
-            bytes::copy(first, out, MaybeUninit::new);
-            return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), MaybeUninit::new);
+            bytes::copy(first, out, P::of);
+            return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), P::of);
         }
         for (place, byte) in out.iter_mut().zip(self.iter()) {
-            place.write(byte);
+            *place = P::of(byte);
         }
     }
 }
@@ -78,12 +98,10 @@ impl Payload<'_> {
 /// Writes the frame of `opcode` and `payload` to the beginning of `out` and tells its length in bytes, 5 to
 /// [`FRAME_MAX`]; `None` when the payload is longer than [`DP_DATA_MAX_SIZE`].
 #[inline(always)]
-pub fn encode(opcode: Opcode, payload: &[u8], out: &mut [MaybeUninit<u8>; FRAME_MAX]) -> Option<usize> {
+pub fn encode<P: Place>(opcode: Opcode, payload: &[u8], out: &mut [P; FRAME_MAX]) -> Option<usize> {
     let length = u8::try_from(payload.len()).ok().filter(|_| payload.len() <= DP_DATA_MAX_SIZE)?;
     let [place_of_start, place_of_opcode, place_of_length, rest @ ..] = out;
-    place_of_start.write(FRAME_START);
-    place_of_opcode.write(opcode.0);
-    place_of_length.write(length);
+    (*place_of_start, *place_of_opcode, *place_of_length) = (P::of(FRAME_START), P::of(opcode.0), P::of(length));
     let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
     let (places, behind) = rest.split_at_mut_checked(payload.len())?;
     let [place_of_sum, place_of_end, ..] = behind else { return None };
@@ -91,15 +109,14 @@ pub fn encode(opcode: Opcode, payload: &[u8], out: &mut [MaybeUninit<u8>; FRAME_
         // Most frames have none.
         if !payload.is_empty() {
             sum = bytes::add_up(sum, payload);
-            bytes::copy(payload, places, MaybeUninit::new);
+            bytes::copy(payload, places, P::of);
         }
     } else {
         for (place, byte) in places.iter_mut().zip(payload) {
-            place.write(*byte);
+            *place = P::of(*byte);
             sum = sum.wrapping_add(*byte);
         }
     }
-    place_of_sum.write(sum);
-    place_of_end.write(FRAME_END);
+    (*place_of_sum, *place_of_end) = (P::of(sum), P::of(FRAME_END));
     Some(payload.len().wrapping_add(FRAME_OVERHEAD))
 }

@@ -46,6 +46,22 @@
 //!
 //! IDLE, `h` and `m` are not believed while a repeat of the request may still be on its way, as that
 //! would start the operation again. No harm is done by ignoring an `h`: the status is asked for until the end.
+//!
+//! ```
+//! use deltarobot::deltarobot::host::{Event, Host, Outcome, Settings};
+//! use deltarobot::deltarobot::{FRAME_MAX, Opcode};
+//!
+//! let mut host = Host::new(Settings::new());
+//! host.home().unwrap();
+//! let (mut room, mut payload) = ([0; FRAME_MAX], [0; 32]);
+//! assert_eq!(host.poll(0, &mut payload), None);
+//! let length = host.output(FRAME_MAX, &mut room, 0);
+//! assert_eq!(room[..length], *b"$H\0\xA6:");
+//!
+//! host.receive(b"$A\x01H\xE8:$h\0\xC6:", 5);
+//! assert_eq!(host.poll(5, &mut payload), Some(Event::Accepted(Opcode::HOMING)));
+//! assert_eq!(host.poll(5, &mut payload), Some(Event::Ended(Opcode::HOMING, Outcome::Finished)));
+//! ```
 
 mod event;
 mod health;
@@ -56,7 +72,6 @@ mod settings;
 mod timers;
 
 use core::ffi::{c_int, c_uchar, c_ulong};
-use core::mem::MaybeUninit;
 
 use crate::clock::stamp;
 use crate::counter::count;
@@ -68,7 +83,7 @@ pub use request::Request;
 use request::{FREE, QUEUED};
 pub use settings::Settings;
 
-use super::{FRAME_OVERHEAD, Layout, Message, Opcode, PAYLOAD_MAX, POSITION_SIZE, Position, Report};
+use super::{FRAME_MAX, Layout, Message, Opcode, PAYLOAD_MAX, POSITION_SIZE, Place, Position, Report};
 
 /// A host session. Its fields are private; all zero is a new session with default settings.
 #[derive(Clone, Debug)]
@@ -233,7 +248,7 @@ impl Host {
 
     /// The next event; `None` when nothing has happened. Of [`Event::Message`], the payload is copied to `data` as
     /// far as that goes; other events change it too.
-    pub fn poll(&mut self, now: u32, data: &mut [MaybeUninit<u8>]) -> Option<Event> {
+    pub fn poll<P: Place>(&mut self, now: u32, data: &mut [P]) -> Option<Event> {
         loop {
             if let Some(event) = self.event() {
                 return Some(event);
@@ -282,31 +297,29 @@ impl Host {
         self.settings.doubles = settings.doubles;
     }
 
-    /// Takes the next message to send whose frame fits in `room` bytes: three (of 27 bytes together) at most at a time.
-    /// To be called after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, now: u32) -> Option<Message> {
-        let fits =
-            |message: &Message| message.write(Layout::Auto, &mut [0; PAYLOAD_MAX]).wrapping_add(FRAME_OVERHEAD) <= room;
-        if self.send & SEND_CANCEL != 0 && fits(&Message::Cancel) {
-            self.send ^= SEND_CANCEL;
-            self.cancel.put_out(now);
-            return Some(Message::Cancel);
-        }
+    /// Writes the frame of the next request that fits in `room` bytes, and returns its length; 0 when there is none:
+    /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it leaves.
+    pub fn output(&mut self, room: usize, frame: &mut [u8; FRAME_MAX], now: u32) -> usize {
         let operation = match Opcode(self.opcode) {
             Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),
             _ => Message::Homing,
         };
-        if self.send & SEND_OPERATION != 0 && fits(&operation) {
-            self.send ^= SEND_OPERATION;
-            self.operation.put_out(now);
-            return Some(operation);
+        for (flag, message, request) in [
+            (SEND_CANCEL, Message::Cancel, &mut self.cancel),
+            (SEND_OPERATION, operation, &mut self.operation),
+            (SEND_STATUS, Message::Status, &mut self.status),
+        ] {
+            if self.send & flag == 0 {
+                continue;
+            }
+            let length = message.encode(Layout::Auto, frame).unwrap_or_default();
+            if length <= room {
+                self.send ^= flag;
+                request.put_out(now);
+                return length;
+            }
         }
-        if self.send & SEND_STATUS != 0 && fits(&Message::Status) {
-            self.send ^= SEND_STATUS;
-            self.status.put_out(now);
-            return Some(Message::Status);
-        }
-        None
+        0
     }
 
     fn end_operation(&mut self, outcome: Outcome) {

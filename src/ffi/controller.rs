@@ -3,16 +3,18 @@
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_void};
-use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::mem::{align_of, offset_of, size_of};
 
-use super::memory::{bytes_of, int, zero};
-use super::payload::{layout_of, position_to, report_from};
+use super::memory::{bytes_of, zero};
+use super::payload::layout_of;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_OVERFLOW, DP_RC_SUCCESS};
 use super::protocol::{Position, SendFunc, StatusReport};
 use super::sized_alias;
 use crate::config::DP_DATA_MAX_SIZE;
-use crate::deltarobot::{Dispatcher, Judgement, Layout, Message, Order, PAYLOAD_MAX, Report, Ring};
-use crate::deltarobot::{FRAME_MAX, encode};
+use crate::deltarobot::controller::Dispatcher;
+use crate::deltarobot::{Layout, PAYLOAD_MAX, Ring};
+
+mod serving;
 
 /// Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
 /// place, as in shipped firmware.
@@ -252,7 +254,7 @@ pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_
         if !is_ready(controller) {
             return DP_RC_ERROR_GENERIC;
         }
-        report(controller);
+        serving::report(controller);
     }
     DP_RC_SUCCESS
 }
@@ -274,17 +276,6 @@ unsafe fn is_ready(controller: *const Controller) -> bool {
     }
 }
 
-/// Whether status reports of a layout, if it is one, fit a frame.
-const fn report_fits(layout: c_int) -> bool {
-    match layout_of(layout) {
-        Some(Layout::Spec) => DP_DATA_MAX_SIZE >= 13,
-        Some(_) => DP_DATA_MAX_SIZE >= PAYLOAD_MAX,
-        None => false,
-    }
-}
-
-// From here on, `controller` is not NULL and ready, and no reference to it lives while one of its functions runs.
-
 /// # Safety
 ///
 /// As for [`dp_controller_poll`].
@@ -294,129 +285,15 @@ unsafe fn poll(controller: *mut Controller, idle: bool) -> c_int {
         if !is_ready(controller) {
             return DP_RC_ERROR_GENERIC;
         }
-        if (*controller).dispatcher.is_active() {
-            let now = status(controller);
-            if let Some(end) = (*controller).dispatcher.ended(&now) {
-                tell_end(controller, end);
-                return DP_RC_SUCCESS;
-            }
-        }
-        match (*controller).dispatcher.order(idle) {
-            Some(order) => serve(controller, &order),
-            None => return DP_RC_NO_FRAME,
-        }
-    }
-    DP_RC_SUCCESS
-}
-
-/// Answers a request.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn serve(controller: *mut Controller, order: &Order) {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let now = status(controller);
-        let judgement = (*controller).dispatcher.judge(order, &now);
-        let accepted = carry_out(controller, &judgement);
-        if accepted {
-            (*controller).dispatcher.began(&judgement);
-        }
-        if judgement != Judgement::Report {
-            let answer = if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) };
-            send(controller, &answer);
-        }
-        if judgement != Judgement::RefuseOnly {
-            let now = report(controller);
-            (*controller).dispatcher.reports(&now);
-        }
+        if serving::act(controller, idle) { DP_RC_SUCCESS } else { DP_RC_NO_FRAME }
     }
 }
 
-/// Has the firmware do what was judged; tells whether it does.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn carry_out(controller: *mut Controller, judgement: &Judgement) -> bool {
-    // SAFETY: as the contract of this function asks, and as calls' own: its functions take usr.
-    unsafe {
-        let (calls, usr) = ((*controller).calls, (*controller).usr);
-        match judgement {
-            Judgement::Home => (*calls).home.is_some_and(|home| home(usr) == 0),
-            Judgement::Cancel => (*calls).cancel.is_some_and(|cancel| cancel(usr) == 0),
-            Judgement::Move(target) => (*calls).r#move.is_some_and(|start| {
-                let mut position = MaybeUninit::uninit();
-                position_to(position.as_mut_ptr(), *target);
-                start(position.as_ptr(), usr) == 0
-            }),
-            Judgement::Repeated => true,
-            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
-        }
-    }
-}
-
-/// # Safety
-///
-/// See above.
-unsafe fn tell_end(controller: *mut Controller, end: Option<Message>) {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let flag = match end {
-            Some(Message::GeneralError) => DP_CONTROLLER_TELL_ERROR,
-            _ => DP_CONTROLLER_TELL_END,
-        };
-        if let Some(end) = end.filter(|_| (*controller).flags & flag != 0) {
-            send(controller, &end);
-        }
-        report(controller);
-    }
-}
-
-/// Asks the firmware for the status.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn status(controller: *mut Controller) -> Report {
-    let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
-    // SAFETY: as the contract of this function asks; the report is ours.
-    unsafe {
-        if let Some(read) = (*(*controller).calls).read {
-            read(&raw mut report, (*controller).usr);
-        }
-        report_from(&raw const report).unwrap_or(Report::new(crate::deltarobot::Position::UNKNOWN, 0))
-    }
-}
-
-/// Sends the status, and returns it.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn report(controller: *mut Controller) -> Report {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let report = status(controller);
-        send(controller, &Message::StatusReport(report));
-        report
-    }
-}
-
-/// # Safety
-///
-/// See above.
-unsafe fn send(controller: *mut Controller, message: &Message) {
-    let mut payload = [0; PAYLOAD_MAX];
-    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
-    // SAFETY: as the contract of this function asks.
-    let (calls, usr, layout) = unsafe { ((*controller).calls, (*controller).usr, (*controller).layout) };
-    let length = message.write(layout_of(layout).unwrap_or_default(), &mut payload);
-    let encoded = encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame);
-    // SAFETY: as the contract of this function asks; encode() wrote that many bytes of the frame.
-    if let (Some(length), Some(send)) = (encoded, unsafe { (*calls).send }) {
-        // SAFETY: as calls asks: its functions take usr.
-        unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
+/// Whether status reports of a layout, if it is one, fit a frame.
+const fn report_fits(layout: c_int) -> bool {
+    match layout_of(layout) {
+        Some(Layout::Spec) => DP_DATA_MAX_SIZE >= 13,
+        Some(_) => DP_DATA_MAX_SIZE >= PAYLOAD_MAX,
+        None => false,
     }
 }

@@ -2,68 +2,28 @@
 //!
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
-use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
+use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 
-use super::memory::{bytes_of, int, long, zero};
-use super::payload::{position_from, report_to};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
+use super::memory::{bytes_of, fill, int, long, zero};
+use super::payload::position_from;
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::DP_DATA_MAX_SIZE;
-use crate::deltarobot::{Busy, Event, FRAME_MAX, Health, Host, Link, Opcode, Outcome, PAYLOAD_MAX};
-use crate::deltarobot::{Layout, POSITION_SIZE, Request, Ring, Settings, State, encode};
+use crate::deltarobot::host::{Busy, Health, Host, Link, Request, Settings};
+use crate::deltarobot::{POSITION_SIZE, Ring};
+use event::{HostEvent, event_to};
+
+pub mod event;
 
 /// A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
 pub const DP_RC_BUSY: c_int = 5;
 /// Nothing has happened.
 pub const DP_RC_NO_EVENT: c_int = 6;
 
-/// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
-pub const DP_HOST_MESSAGE: c_int = 1;
-/// Event: a status report was received; `report` holds it, `state` its state.
-pub const DP_HOST_STATUS: c_int = 2;
-/// Event: the platform is in another state than before: `state`; `report` is the status report that says so.
-pub const DP_HOST_STATE: c_int = 3;
-/// Event: a general error was received.
-pub const DP_HOST_ERROR: c_int = 4;
-/// Event: the controller has accepted the operation `opcode`.
-pub const DP_HOST_ACCEPTED: c_int = 5;
-/// Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
-pub const DP_HOST_ENDED: c_int = 6;
-
-/// Outcome: the request was carried out.
-pub const DP_HOST_FINISHED: c_int = 1;
-/// Outcome: the controller did not accept the request.
-pub const DP_HOST_REFUSED: c_int = 2;
-/// Outcome: the controller accepted the operation, and could not carry it out.
-pub const DP_HOST_FAILED: c_int = 3;
-/// Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
-pub const DP_HOST_CANCELLED: c_int = 4;
-/// Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
-pub const DP_HOST_TIMED_OUT: c_int = 5;
-
 /// Room that three requests take, more than which are never to be sent at a time.
 pub const DP_HOST_OUTPUT_MAX: c_int = 27;
-
-/// Something that happened.
-#[derive(Debug)]
-#[repr(C)]
-pub struct HostEvent {
-    /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
-    pub kind: c_int,
-    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
-    /// `STATUS`.
-    pub opcode: c_uchar,
-    /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
-    pub outcome: c_int,
-    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
-    pub state: c_int,
-    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
-    pub report: StatusReport,
-    /// Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
-    pub msg: ProtocolMsg,
-}
 
 // The layout that C compilers give these structs; C tests assert the same numbers.
 #[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
@@ -108,16 +68,6 @@ const _: () = {
                 align_of::<c_ulong>()
             )
     );
-
-    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, opcode) == INT);
-    assert!(offset_of!(HostEvent, outcome) == INT + up(1, align_of::<c_int>()));
-    assert!(offset_of!(HostEvent, state) == offset_of!(HostEvent, outcome) + INT);
-    assert!(offset_of!(HostEvent, report) == up(offset_of!(HostEvent, state) + INT, align_of::<StatusReport>()));
-    assert!(
-        offset_of!(HostEvent, msg)
-            == up(offset_of!(HostEvent, report) + size_of::<StatusReport>(), align_of::<c_int>())
-    );
-    assert!(size_of::<HostEvent>() == offset_of!(HostEvent, msg) + size_of::<ProtocolMsg>());
 };
 
 /// Begins a session. Memory that is all zero is one too, with the default settings.
@@ -301,11 +251,10 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
         return DP_RC_ERROR_GENERIC;
     };
     // SAFETY: event is not NULL; chars and uninitialised bytes have the same layout.
-    let happened = unsafe {
-        host.poll(time(now_ms), &mut *(&raw mut (*event).msg.data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>())
-    };
+    let data = unsafe { &mut *(&raw mut (*event).msg.data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>() };
+    let happened = host.poll(time(now_ms), data);
     // SAFETY: event is not NULL.
-    unsafe { write_event(event, happened.as_ref()) };
+    unsafe { event_to(event, happened.as_ref()) };
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
 sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
@@ -331,24 +280,12 @@ sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEven
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let (Some(host), Ok(cap), false) = (unsafe { host.as_mut() }, usize::try_from(cap), cap != 0 && buf.is_null())
-    else {
+    let Some(host) = (unsafe { host.as_mut() }) else {
         return DP_RC_ERROR_GENERIC.wrapping_neg();
     };
-    let mut written = 0_usize;
-    while let Some(message) = host.output(cap.wrapping_sub(written), time(now_ms)) {
-        let mut payload = [0; PAYLOAD_MAX];
-        let length = message.write(Layout::Auto, &mut payload);
-        let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
-        let length =
-            encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame).unwrap_or_default();
-        for byte in frame.iter().take(length) {
-            // SAFETY: output() gives only what fits, so this is in the buffer.
-            unsafe { buf.cast::<MaybeUninit<u8>>().add(written).write(*byte) };
-            written = written.wrapping_add(1);
-        }
-    }
-    int(written)
+    // SAFETY: as the contract of this function asks.
+    let written = unsafe { fill(buf, cap, |room, frame| host.output(room, frame, time(now_ms))) };
+    written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
@@ -425,68 +362,5 @@ fn result(outcome: Option<Result<(), Busy>>) -> c_int {
         Some(Ok(())) => DP_RC_SUCCESS,
         Some(Err(Busy)) => DP_RC_BUSY,
         None => DP_RC_ERROR_GENERIC,
-    }
-}
-
-/// # Safety
-///
-/// event points to writable memory of its size and alignment.
-unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event>) {
-    let (mut opcode, mut outcome, mut state) = (Opcode(0), 0, -1);
-    let kind = match happened {
-        None => 0,
-        Some(Event::Message(received, length)) => {
-            // SAFETY: as the contract of this function asks.
-            unsafe {
-                (*event).msg.opcode = received.0;
-                (*event).msg.data_s = int(*length);
-                (*event).msg.checksum_ok = 1;
-            }
-            DP_HOST_MESSAGE
-        }
-        Some(Event::Status(report)) => {
-            // SAFETY: as the contract of this function asks.
-            unsafe { report_to(&raw mut (*event).report, report) };
-            state = state_of(report.state());
-            DP_HOST_STATUS
-        }
-        Some(Event::State(report)) => {
-            // SAFETY: as the contract of this function asks.
-            unsafe { report_to(&raw mut (*event).report, report) };
-            state = state_of(report.state());
-            DP_HOST_STATE
-        }
-        Some(Event::GeneralError) => DP_HOST_ERROR,
-        Some(Event::Accepted(accepted)) => {
-            opcode = *accepted;
-            DP_HOST_ACCEPTED
-        }
-        Some(Event::Ended(ended, how)) => {
-            opcode = *ended;
-            outcome = match how {
-                Outcome::Finished => DP_HOST_FINISHED,
-                Outcome::Refused => DP_HOST_REFUSED,
-                Outcome::Failed => DP_HOST_FAILED,
-                Outcome::Cancelled => DP_HOST_CANCELLED,
-                Outcome::TimedOut => DP_HOST_TIMED_OUT,
-            };
-            DP_HOST_ENDED
-        }
-    };
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        (*event).kind = kind;
-        (*event).opcode = opcode.0;
-        (*event).outcome = outcome;
-        (*event).state = state;
-    }
-}
-
-const fn state_of(state: State) -> c_int {
-    match state {
-        State::Idle => super::protocol::DP_STATUS_IDLE,
-        State::Homing => super::protocol::DP_STATUS_HOMING,
-        State::Moving => super::protocol::DP_STATUS_MOVING,
-        State::Error => super::protocol::DP_STATUS_ERROR,
     }
 }

@@ -1,6 +1,6 @@
 //! The C ABI: one file a header of `include/libdeltarobot/`.
 //!
-//! A function here converts its pointers, calls [`crate::deltarobot`] and maps the answer, no more.
+//! A function here converts its pointers, calls the core and maps the answer, no more.
 //!
 //! What all of them rely on, and what C callers therefore have to keep to:
 //!

@@ -1,7 +1,7 @@
 //! The program `deltarobot`: simulated machines, requests to a real robot, and tools for the line between. What knows a
 //! protocol is below `decoder` and `sim`, in a file for each.
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 #![allow(
     clippy::arithmetic_side_effects,
     reason = "numbers here are times and sizes of what fits in memory, and a program may stop where a library must not"

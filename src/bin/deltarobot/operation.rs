@@ -4,16 +4,15 @@ use std::ffi::{c_int, c_ulong};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use deltarobot::deltarobot::{
-    Event, Health, Host, Layout, Opcode, Outcome, PAYLOAD_MAX, Position, Report, Settings, State,
-};
+use deltarobot::config::DP_DATA_MAX_SIZE;
+use deltarobot::deltarobot::host::{Event, Health, Host, Outcome, Settings};
+use deltarobot::deltarobot::{FRAME_MAX, Layout, Opcode, POSITION_SIZE, Position, Report, State};
 use serde_json::json;
 
 use crate::port::{Device, Speed};
 use crate::screen::{Screen, complain};
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
-use crate::wire::frame;
 use crate::words;
 
 /// The longest that is waited without looking whether the user wants to end.
@@ -112,6 +111,9 @@ pub(crate) fn move_to(arguments: &Move) -> Result<Status, Failure> {
     if !target.is_finite() {
         return Err(Failure::Usage("a displacement must be a finite number".into()));
     }
+    if DP_DATA_MAX_SIZE < POSITION_SIZE {
+        return Err(Failure::Usage("this build's frames are too short for a position".into()));
+    }
     request(&arguments.common, Some(arguments.operation), Opcode::MOVE, |host| host.move_to(target).is_ok())
 }
 
@@ -186,7 +188,7 @@ impl Session {
         let mut received = Vec::new();
         loop {
             let now = self.teller.now();
-            while let Some(event) = self.host.poll(now, &mut []) {
+            while let Some(event) = self.host.poll(now, &mut [0; 0]) {
                 match self.handle(event) {
                     Next::GoOn => (),
                     Next::End(outcome) => return Ok(self.end(outcome)),
@@ -208,15 +210,13 @@ impl Session {
     }
 
     fn send(&mut self, now: u32) -> Result<(), Failure> {
-        while let Some(message) = self.host.output(usize::MAX, now) {
-            let mut payload = [0; PAYLOAD_MAX];
-            let length = message.write(Layout::Auto, &mut payload);
-            let payload = payload.get(..length).unwrap_or_default();
-            let bytes = frame(message.opcode(), payload)
-                .ok_or_else(|| Failure::Usage("this build's frames are too short for that".into()))?;
-            self.device.write(&bytes)?;
+        let mut frame = [0; FRAME_MAX];
+        loop {
+            match self.host.output(FRAME_MAX, &mut frame, now) {
+                0 => return Ok(()),
+                length => self.device.write(frame.get(..length).unwrap_or_default())?,
+            }
         }
-        Ok(())
     }
 
     fn handle(&mut self, event: Event) -> Next {

@@ -1,16 +1,12 @@
 //! Messages as the bytes of their frames.
 
-use std::mem::MaybeUninit;
-
 use deltarobot::deltarobot::{FRAME_MAX, Opcode, encode};
 
 /// The frame of an opcode and a payload; `None` when the payload is longer than this build allows.
-#[expect(unsafe_code, reason = "the core writes into memory that need not be initialised")]
 pub(crate) fn frame(opcode: Opcode, payload: &[u8]) -> Option<Vec<u8>> {
-    let mut frame = [MaybeUninit::<u8>::uninit(); FRAME_MAX];
+    let mut frame = [0; FRAME_MAX];
     let length = encode(opcode, payload, &mut frame)?;
-    // SAFETY: encode() wrote that many bytes.
-    Some(frame.iter().take(length).map(|byte| unsafe { byte.assume_init() }).collect())
+    frame.get(..length).map(<[u8]>::to_vec)
 }
 
 /// Bytes as text, such as `24 53 00 B1 3A`.

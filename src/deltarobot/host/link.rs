@@ -1,13 +1,12 @@
 //! What comes in: bytes, the frames among them, and what is wrong with the rest.
 
 use core::ffi::{c_uchar, c_ulong};
-use core::mem::MaybeUninit;
 
 use super::health::Health;
 use crate::clock::{left, stamp};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 use crate::counter::count;
-use crate::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Message, Opcode, PAYLOAD_MAX, Ring};
+use crate::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Message, Opcode, PAYLOAD_MAX, Place, Ring};
 
 /// The receiving side of a host session. Its fields are private.
 #[derive(Clone, Debug)]
@@ -48,12 +47,12 @@ impl Link {
     /// Takes out the next frame: its opcode and the length of its payload, which is copied to `data` as far as that
     /// goes, and its beginning to `head`. (It is not returned as a message, since moving one of these is a call of
     /// memcpy.)
-    pub(super) fn next(
+    pub(super) fn next<P: Place>(
         &mut self,
         now: u32,
         gap: u32,
         head: &mut [u8; PAYLOAD_MAX],
-        data: &mut [MaybeUninit<u8>],
+        data: &mut [P],
         health: &mut Health,
     ) -> Option<(Opcode, usize)> {
         let before = self.used();
@@ -129,7 +128,7 @@ mod tests {
     fn feed(link: &mut Link, health: &mut Health, bytes: &[u8]) -> std::vec::Vec<u8> {
         assert_eq!(link.receive(bytes, 0, health), bytes.len());
         let mut opcodes = std::vec::Vec::new();
-        while let Some((opcode, _)) = link.next(0, 50, &mut [0; 16], &mut [], health) {
+        while let Some((opcode, _)) = link.next(0, 50, &mut [0; 16], &mut [0; 0], health) {
             opcodes.push(opcode.0);
         }
         opcodes
@@ -158,8 +157,8 @@ mod tests {
         let (mut link, mut health) = (Link::new(), Health::new());
         assert_eq!(feed(&mut link, &mut health, b"$M\x0C$S\0\xB1:"), b"");
         assert_eq!(link.gap_left(20, 50), Some(30));
-        assert!(link.next(49, 50, &mut [0; 16], &mut [], &mut health).is_none());
-        let received = link.next(50, 50, &mut [0; 16], &mut [], &mut health);
+        assert!(link.next(49, 50, &mut [0; 16], &mut [0; 0], &mut health).is_none());
+        let received = link.next(50, 50, &mut [0; 16], &mut [0; 0], &mut health);
         assert_eq!((received, health.garbage_bytes), (Some((Opcode::STATUS, 0)), 3));
         assert_eq!(link.gap_left(50, 50), None);
     }

@@ -214,7 +214,8 @@ impl Host {
 
 #[cfg(test)]
 mod tests {
-    use crate::deltarobot::{Event, Host, Layout, Message, Opcode, Outcome, PAYLOAD_MAX, Position, Report, Settings};
+    use crate::deltarobot::host::{Event, Host, Outcome, Settings};
+    use crate::deltarobot::{FRAME_MAX, Layout, Message, Opcode, PAYLOAD_MAX, Position, Report};
 
     const TARGET: Position = Position([0x3F80_0000, 0x4000_0000, 0xC060_0000]);
     const ELSEWHERE: Position = Position([0x4000_0000; 3]);
@@ -231,9 +232,11 @@ mod tests {
     fn moving() -> Host {
         let mut host = Host::new(Settings::new());
         assert_eq!(host.move_to(TARGET), Ok(()));
-        assert_eq!(host.poll(0, &mut []), None);
-        assert_eq!(host.output(17, 0), Some(Message::Move(TARGET)));
-        assert_eq!(host.output(17, 0), None);
+        assert_eq!(host.poll(0, &mut [0; 0]), None);
+        let mut frame = [0; FRAME_MAX];
+        assert_eq!((host.output(16, &mut frame, 0), host.output(17, &mut frame, 0)), (0, 17));
+        assert_eq!(frame[..17], *b"$M\x0C\0\0\x80\x3F\0\0\0\x40\0\0\x60\xC0\xD6:");
+        assert_eq!(host.output(17, &mut frame, 0), 0);
         assert_eq!(tells(&mut host, Message::Ack(Opcode::MOVE), 1), Some(Event::Accepted(Opcode::MOVE)));
         host
     }

@@ -139,7 +139,8 @@ impl Host {
 
 #[cfg(test)]
 mod tests {
-    use crate::deltarobot::{Event, Host, Message, Opcode, Outcome, Settings};
+    use crate::deltarobot::host::{Event, Host, Outcome, Settings};
+    use crate::deltarobot::{FRAME_MAX, Opcode};
 
     #[test]
     fn a_request_is_repeated_until_it_has_timed_out() {
@@ -149,15 +150,17 @@ mod tests {
         // Late in the clock's turn, so that it wraps in between.
         let start = u32::MAX.wrapping_sub(149);
         for now in [start, start.wrapping_add(100), start.wrapping_add(200)] {
-            assert_eq!(host.poll(now.wrapping_sub(1), &mut []), None);
-            assert_eq!(host.poll(now, &mut []), None);
+            assert_eq!(host.poll(now.wrapping_sub(1), &mut [0; 0]), None);
+            assert_eq!(host.poll(now, &mut [0; 0]), None);
             assert_eq!(host.next_deadline(now), Some(0));
-            assert_eq!(host.output(5, now), Some(Message::Homing));
+            let mut frame = [0; FRAME_MAX];
+            assert_eq!(host.output(5, &mut frame, now), 5);
+            assert_eq!(frame[..5], *b"$H\0\xA6:");
             assert_eq!(host.next_deadline(now), Some(100));
         }
         let end = start.wrapping_add(300);
-        assert_eq!(host.poll(end, &mut []), Some(Event::Ended(Opcode::HOMING, Outcome::TimedOut)));
+        assert_eq!(host.poll(end, &mut [0; 0]), Some(Event::Ended(Opcode::HOMING, Outcome::TimedOut)));
         assert_eq!((host.health().timeouts, host.health().repeats), (3, 2));
-        assert_eq!((host.poll(end, &mut []), host.next_deadline(end)), (None, None));
+        assert_eq!((host.poll(end, &mut [0; 0]), host.next_deadline(end)), (None, None));
     }
 }

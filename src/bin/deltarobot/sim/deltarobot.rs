@@ -4,7 +4,8 @@ mod robot;
 
 use std::time::Duration;
 
-use deltarobot::deltarobot::{Dispatcher, Judgement, Layout, Message, Order, PAYLOAD_MAX};
+use deltarobot::deltarobot::controller::{Dispatcher, Judgement, Order};
+use deltarobot::deltarobot::{Layout, Message, PAYLOAD_MAX};
 
 use super::random::Random;
 use super::{Machine, above_zero};
