@@ -154,9 +154,10 @@ impl Port {
         let mut rest = bytes;
         while !rest.is_empty() {
             match system::write(fd, rest) {
-                Ok(written) => rest = rest.get(written..).unwrap_or_default(),
+                Ok(written @ 1..) => rest = rest.get(written..).unwrap_or_default(),
                 Err(libc::EINTR) => (),
-                Err(libc::EAGAIN) => {
+                // No device should take nothing without saying so, but none shall keep us here beyond the deadline.
+                Ok(0) | Err(libc::EAGAIN) => {
                     let left = deadline.left();
                     if left == 0 || (!wait(fd, libc::POLLOUT, left)? && deadline.left() == 0) {
                         break;

@@ -58,15 +58,16 @@ impl Position {
         self.0.iter().all(|bits| magnitude(*bits) < INFINITY)
     }
 
-    /// Whether no displacement differs from the other position's by more than `tolerance`, a float's bits. Worked out
-    /// in units of 1/1024, so up to 1/512 may be added to the tolerance. Not for unknown positions, nor from
-    /// half a million on.
+    /// Whether no displacement differs from the other position's by more than `tolerance`, the bits of a finite float;
+    /// a difference that is beyond it by no more than the rounding of a float may count as near. Not for positions that
+    /// are not finite.
     #[must_use]
     pub fn is_near(self, other: Self, tolerance: u32) -> bool {
-        let allowed = fixed(tolerance).unwrap_or_default().unsigned_abs().wrapping_add(1);
-        self.0.iter().zip(other.0).all(|(one, other)| match (fixed(*one), fixed(other)) {
-            (Some(one), Some(other)) => one.abs_diff(other) <= allowed,
-            _ => false,
+        self.0.iter().zip(other.0).all(|(one, other)| {
+            let largest = magnitude(*one).max(magnitude(other)).max(magnitude(tolerance));
+            let units = |bits| units(bits, largest);
+            let allowed = units(tolerance).unsigned_abs().wrapping_add(1);
+            largest < INFINITY && units(*one).abs_diff(units(other)) <= allowed
         })
     }
 }
@@ -78,24 +79,18 @@ const fn magnitude(bits: u32) -> u32 {
     bits & 0x7FFF_FFFF
 }
 
-/// A float's value in units of 1/1024, rounded towards zero; `None` from 2^19 on.
-fn fixed(bits: u32) -> Option<i32> {
-    /// The biased exponent of a float whose significand, seen as an integer, counts the units.
-    const UNITS: u32 = 127 + 23 - 10;
+/// A float's value, rounded towards zero, in units so small that the largest float there is has 30 bits.
+fn units(bits: u32, largest: u32) -> i32 {
+    let exponent = |bits| magnitude(bits) >> 23;
     let significand = bits & 0x7F_FFFF | 0x80_0000;
-    let exponent = magnitude(bits) >> 23;
-    let units = match exponent.checked_sub(UNITS) {
-        None => significand.checked_shr(UNITS.wrapping_sub(exponent)).unwrap_or_default(),
-        Some(shift @ 0..=5) => significand.wrapping_shl(shift),
-        Some(_) => return None,
-    };
-    let units = i32::try_from(units).ok()?;
-    Some(if bits == magnitude(bits) { units } else { units.wrapping_neg() })
+    let shift = exponent(largest).wrapping_sub(exponent(bits));
+    let units = significand.wrapping_shl(6).checked_shr(shift).unwrap_or_default().cast_signed();
+    if bits == magnitude(bits) { units } else { units.wrapping_neg() }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Position, fixed};
+    use super::Position;
 
     fn at(a: f32, b: f32, c: f32) -> Position {
         Position([a.to_bits(), b.to_bits(), c.to_bits()])
@@ -124,20 +119,6 @@ mod tests {
     }
 
     #[test]
-    fn fixed_is_the_value_cut_to_units() {
-        for value in
-            [0.0_f32, -0.0, 1e-40, 0.0009, 0.001, 0.126, 1.0, -1.0, 2.5, -37.25, 1024.3, 524_287.9, -524_287.97]
-        {
-            #[expect(clippy::cast_possible_truncation, reason = "what is compared with")]
-            let units = (f64::from(value) * 1024.0) as i32;
-            assert_eq!(fixed(value.to_bits()), Some(units), "{value}");
-        }
-        for value in [524_288.0_f32, -1e9, f32::MAX, f32::INFINITY, f32::NAN] {
-            assert_eq!(fixed(value.to_bits()), None, "{value}");
-        }
-    }
-
-    #[test]
     fn near_means_every_arm_within_the_tolerance() {
         let tolerance = 0.126_f32.to_bits();
         let target = at(1.0, -2.0, 30.0);
@@ -148,6 +129,30 @@ mod tests {
         assert!(!at(1.0, 2.0, 30.0).is_near(target, tolerance));
         assert!(!at(1.0, -2.0, 32.5).is_near(target, tolerance));
         assert!(!Position::UNKNOWN.is_near(target, tolerance));
-        assert!(!at(1e9, 0.0, 0.0).is_near(at(1e9, 0.0, 0.0), tolerance));
+        assert!(at(1e9, -3e38, 1e-40).is_near(at(1e9, -3e38, 0.0), tolerance));
+        assert!(!at(1e9, 0.0, 0.0).is_near(at(1e9 + 64.0, 0.0, 0.0), tolerance));
+        assert!(target.is_near(at(1e9, -3e38, 0.0), f32::MAX.to_bits()));
+        assert!(!at(f32::INFINITY, 0.0, 0.0).is_near(at(f32::INFINITY, 0.0, 0.0), f32::MAX.to_bits()));
+    }
+
+    #[test]
+    fn near_is_exact_but_for_rounding() {
+        let floats = |seed: u32| {
+            let bits = seed.wrapping_mul(0x9E37_79B9);
+            // Exponents that are near each other, so that it is a close call.
+            f32::from_bits(bits & 0x83FF_FFFF | 0x4000_0000)
+        };
+        let mut near = 0;
+        for seed in 0..30_000 {
+            let (one, other, tolerance) = (floats(seed), floats(seed + 40_000), floats(seed + 80_000).abs());
+            let apart = (f64::from(one) - f64::from(other)).abs();
+            let largest = f64::from(one.abs().max(other.abs()).max(tolerance));
+            let is_near = at(0.0, one, 0.0).is_near(at(0.0, other, 0.0), tolerance.to_bits());
+            let allowed = f64::from(tolerance);
+            assert!(is_near || apart > allowed, "{one} {other} {tolerance}");
+            assert!(!is_near || apart <= allowed + largest * f64::from(f32::EPSILON), "{one} {other} {tolerance}");
+            near += u32::from(is_near);
+        }
+        assert!((5_000..25_000).contains(&near), "{near}");
     }
 }

@@ -87,11 +87,12 @@ impl Settings {
         span(self.gap_ms, 50)
     }
 
-    /// The bits of the float.
+    /// The bits of the float, which is finite.
     pub(super) const fn tolerance(&self) -> u32 {
-        match self.tolerance.to_bits() {
+        match self.tolerance.abs().to_bits() {
             0 => 0x3E80_0000,
-            bits => bits,
+            bits @ ..0x7F80_0000 => bits,
+            _ => 0x7F7F_FFFF,
         }
     }
 
@@ -120,5 +121,9 @@ mod tests {
         assert_eq!(settings.attempts(), 255);
         settings.attempts = -1;
         assert_eq!(settings.attempts(), 1);
+        for (set, used) in [(-0.0, 0.25), (-2.5, 2.5), (f32::MAX, f32::MAX), (f32::INFINITY, f32::MAX)] {
+            settings.tolerance = set;
+            assert_eq!(settings.tolerance(), f32::to_bits(used));
+        }
     }
 }
