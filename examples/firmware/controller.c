@@ -1,3 +1,8 @@
+/*
+ * Requests are answered by hand here, as in firmware that was written for the original and is only linked anew.
+ * <libdeltarobot/controller.h> does the same and more (repeated requests, the end of an operation told once): it calls
+ * functions for the motors, and takes 2.3 KB of flash on a Cortex-M4 where dp_process, dp_recv and dp_send take 0.5.
+ */
 #include "controller.h"
 
 #include <string.h>

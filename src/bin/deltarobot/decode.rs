@@ -3,11 +3,11 @@
 use serde_json::json;
 
 use crate::decoder::Piece;
+use crate::hex::from_hex;
 use crate::protocol::{Protocol, Spoken};
 use crate::recording::Side;
 use crate::screen::Screen;
 use crate::status::{Failure, Status};
-use crate::wire::from_hex;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {

@@ -17,6 +17,9 @@ pub(crate) const QUIET_MS: u32 = 50;
 /// The same.
 pub(crate) const QUIET: Duration = Duration::from_millis(QUIET_MS as u64);
 
+/// A run of garbage without an end is told in pieces of about this many bytes.
+const GARBAGE_MAX: usize = 64;
+
 /// Takes the bytes of a line apart.
 pub(crate) trait Decoder {
     /// Takes bytes of which it is known, or not, who sent them, and gives back what is certain by then.

@@ -10,6 +10,7 @@
 
 mod decode;
 mod decoder;
+mod hex;
 mod monitor;
 mod operation;
 mod port;
@@ -22,7 +23,7 @@ mod screen;
 mod signals;
 mod sim;
 mod status;
-mod wire;
+mod wait;
 mod words;
 
 use std::io::ErrorKind;

@@ -2,21 +2,24 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
+use std::os::fd::AsFd;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
 use serde_json::json;
 
-use crate::decoder::{Decoder, Lanes, Piece, QUIET, QUIET_MS, SENDERS, Statistics, seconds};
+use crate::decoder::{Decoder, Lanes, Piece, QUIET_MS, SENDERS, Statistics, seconds};
 use crate::port::{Device, Speed};
 use crate::protocol::Spoken;
 use crate::recording::{self, Side};
 use crate::screen::Screen;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
+use crate::wait::wait;
+
+/// Bytes that are taken at a time: between two of these it is looked whether the user wants to end.
+const CHUNK: usize = 4096;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -41,19 +44,13 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
-    let mut monitor = Monitor::new(arguments);
-    let result = monitor.watch(arguments, &signals);
-    // A device that has gone was still worth being counted.
-    if !matches!(result, Err(Failure::Output(_) | Failure::Usage(_))) && monitor.has_begun {
-        monitor.tell_statistics()?;
-    }
-    result.map(|()| Status::Finished)
+    Monitor::new(arguments).watch(arguments, &signals)?;
+    Ok(Status::Finished)
 }
 
 struct Monitor {
     screen: Screen,
     json: bool,
-    has_begun: bool,
     statistics: Statistics,
     /// When anything came last, from anybody and from each.
     last: Duration,
@@ -69,7 +66,6 @@ impl Monitor {
         Self {
             screen: Screen::new(),
             json: arguments.json,
-            has_begun: false,
             statistics: Statistics::new(protocol.terms()),
             last: Duration::ZERO,
             heard: Lanes::default(),
@@ -97,17 +93,20 @@ impl Monitor {
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(|error| failure(&error))?;
-        self.has_begun = true;
         if recording::is_recording(&bytes) {
             return self.watch_recording(path, &bytes, signals);
         }
-        self.take(None, &bytes, Duration::ZERO)?;
+        for bytes in bytes.chunks(CHUNK) {
+            if signals.came() {
+                break;
+            }
+            self.take(None, bytes, Duration::ZERO)?;
+        }
         self.end()
     }
 
     fn watch_device(&mut self, arguments: &Arguments, signals: &Signals) -> Result<(), Failure> {
         let mut device = Device::open(&arguments.source, arguments.speed)?;
-        self.has_begun = true;
         let began = Instant::now();
         let result = loop {
             if signals.came() {
@@ -119,39 +118,31 @@ impl Monitor {
                 Err(failure) => break Err(failure),
             }
         };
+        // A device that has gone was still worth being watched.
         self.end()?;
         result
     }
 
-    fn watch_stream(
-        &mut self,
-        name: &Path,
-        stream: &mut (impl Read + std::os::fd::AsFd),
-        signals: &Signals,
-    ) -> Result<(), Failure> {
-        self.has_begun = true;
+    fn watch_stream(&mut self, name: &Path, stream: &mut (impl Read + AsFd), signals: &Signals) -> Result<(), Failure> {
         let began = Instant::now();
-        let mut room = [0; 4096];
-        let mut start = Vec::new();
+        let mut room = [0; CHUNK];
+        let (mut is_first, mut recording) = (true, Vec::new());
         while !signals.came() {
-            if !is_readable(stream)? {
+            if wait(stream, QUIET_MS).map_err(|error| Failure::of_file(name.display(), &error.into()))?.is_empty() {
                 self.idle(began.elapsed())?;
                 continue;
             }
             let count = stream.read(&mut room).map_err(|error| Failure::of_file(name.display(), &error))?;
             let bytes = room.get(..count).unwrap_or_default();
-            if !start.is_empty() || recording::is_recording(bytes) {
-                // The beginning of a recording: the rest is waited for.
-                start.extend_from_slice(bytes);
-                if count == 0 {
-                    return self.watch_recording(name, &start, signals);
-                }
-                continue;
+            let is_recording = !recording.is_empty() || is_first && recording::is_recording(bytes);
+            is_first = false;
+            match count {
+                0 if is_recording => return self.watch_recording(name, &recording, signals),
+                0 => break,
+                // The rest of it is waited for.
+                _ if is_recording => recording.extend_from_slice(bytes),
+                _ => self.take(None, bytes, began.elapsed())?,
             }
-            if count == 0 {
-                break;
-            }
-            self.take(None, bytes, began.elapsed())?;
         }
         self.end()
     }
@@ -187,13 +178,16 @@ impl Monitor {
         Ok(())
     }
 
+    /// Nothing follows.
     fn end(&mut self) -> Result<(), Failure> {
         for from in SENDERS {
             let pieces = self.decoder.end(from);
             let heard = *self.heard.of(from);
             self.tell(&pieces, heard)?;
         }
-        Ok(())
+        let it = &self.statistics;
+        let line = if self.json { it.json(self.last).to_string() } else { it.text(self.last) };
+        Ok(self.screen.line(&line)?)
     }
 
     fn tell(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
@@ -207,22 +201,5 @@ impl Monitor {
             self.screen.line(&line)?;
         }
         Ok(())
-    }
-
-    fn tell_statistics(&mut self) -> Result<(), Failure> {
-        let it = &self.statistics;
-        let line = if self.json { it.json(self.last).to_string() } else { it.text(self.last) };
-        Ok(self.screen.line(&line)?)
-    }
-}
-
-/// Waits for input as long as a line may be quiet. Not when a signal came.
-fn is_readable(stream: &impl std::os::fd::AsFd) -> Result<bool, Failure> {
-    let time = Timespec { tv_sec: 0, tv_nsec: QUIET.subsec_nanos().into() };
-    let mut polled = [PollFd::new(stream, PollFlags::IN)];
-    match poll(&mut polled, Some(&time)) {
-        Ok(count) => Ok(count > 0),
-        Err(Errno::INTR) => Ok(false),
-        Err(error) => Err(Failure::of_file("input", &error.into())),
     }
 }

@@ -1,19 +1,20 @@
 //! `deltarobot home`, `move`, `status` and `cancel`: one request, seen through to its end.
 
+mod teller;
+
+use std::env;
 use std::ffi::{c_int, c_ulong};
 use std::path::PathBuf;
-use std::time::Instant;
 
 use deltarobot::config::DP_DATA_MAX_SIZE;
-use deltarobot::deltarobot::host::{Event, Health, Host, Outcome, Settings};
-use deltarobot::deltarobot::{FRAME_MAX, Layout, Opcode, POSITION_SIZE, Position, Report, State};
-use serde_json::json;
+use deltarobot::deltarobot::host::{Event, Host, Outcome, Settings};
+use deltarobot::deltarobot::{FRAME_MAX, Layout, Opcode, POSITION_SIZE, Position, State};
 
 use crate::port::{Device, Speed};
-use crate::screen::{Screen, complain};
+use crate::screen::complain;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
-use crate::words;
+use teller::Teller;
 
 /// The longest that is waited without looking whether the user wants to end.
 const TURN_MS: u32 = 100;
@@ -34,15 +35,13 @@ pub(crate) struct Plain {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct Move {
     /// Displacement of arm A
-    #[arg(allow_negative_numbers = true)]
     a: f32,
     /// Displacement of arm B
-    #[arg(allow_negative_numbers = true)]
     b: f32,
     /// Displacement of arm C
-    #[arg(allow_negative_numbers = true)]
     c: f32,
     #[command(flatten)]
     operation: Operation,
@@ -63,18 +62,10 @@ struct Operation {
 
 #[derive(Debug, clap::Args)]
 struct Common {
-    /// The device that the controller is at
-    #[arg(value_name = "PORT", required_unless_present = "option")]
+    /// The device that the controller is at; by default what the environment's variable DELTAROBOT_PORT says
     port: Option<PathBuf>,
-    /// The same, by an option or the environment
-    #[arg(
-        id = "option",
-        short = 'p',
-        long = "port",
-        value_name = "PORT",
-        env = "DELTAROBOT_PORT",
-        conflicts_with = "port"
-    )]
+    /// The same, by an option
+    #[arg(id = "option", short = 'p', long = "port", value_name = "PORT", conflicts_with = "port")]
     option: Option<PathBuf>,
     /// How the controller lays out its status reports
     #[arg(long, value_enum, default_value_t = Reports::Auto)]
@@ -84,6 +75,15 @@ struct Common {
     json: bool,
     #[command(flatten)]
     speed: Speed,
+}
+
+impl Common {
+    /// (Not by clap, for which a variable is as good as an option, and would be at odds with the argument.)
+    fn port(&self) -> Result<PathBuf, Failure> {
+        let given = self.port.as_ref().or(self.option.as_ref()).cloned();
+        let in_environment = || env::var_os("DELTAROBOT_PORT").filter(|port| !port.is_empty()).map(PathBuf::from);
+        given.or_else(in_environment).ok_or_else(|| Failure::Usage("a <PORT> is needed; try --help".into()))
+    }
 }
 
 /// Layouts of status reports.
@@ -131,15 +131,14 @@ fn request(
     opcode: Opcode,
     start: impl FnOnce(&mut Host) -> bool,
 ) -> Result<Status, Failure> {
-    let path = common.port.as_ref().or(common.option.as_ref());
-    let path = path.ok_or_else(|| Failure::Usage("no port given".into()))?;
+    let port = common.port()?;
     let signals = Signals::catch()?;
-    let device = Device::open(path, common.speed)?;
+    let device = Device::open(&port, common.speed)?;
     let mut session = Session {
         opcode,
         host: Host::new(settings(common, operation)),
         device,
-        teller: Teller { screen: Screen::new(), json: common.json, began: Instant::now() },
+        teller: Teller::new(common.json),
         ends_when_accepted: operation.is_some_and(|operation| operation.no_wait),
         was_interrupted: false,
         outcome: None,
@@ -269,104 +268,5 @@ impl Session {
             Outcome::Cancelled => Status::Cancelled,
             Outcome::TimedOut => Status::TimedOut,
         }
-    }
-}
-
-/// Tells the user. That standard output is closed changes nothing about what the robot does, or how the program ends.
-struct Teller {
-    screen: Screen,
-    json: bool,
-    began: Instant,
-}
-
-impl Teller {
-    /// The session's clock, in milliseconds.
-    #[expect(clippy::cast_possible_truncation, reason = "it may wrap")]
-    fn now(&self) -> u32 {
-        self.began.elapsed().as_millis() as u32
-    }
-
-    fn seconds(&self) -> f64 {
-        self.began.elapsed().as_secs_f64()
-    }
-
-    fn accepted(&mut self, opcode: Opcode) {
-        let line = if self.json {
-            json!({ "request": request_name(opcode), "outcome": "accepted" }).to_string()
-        } else {
-            format!("{}: accepted", request_name(opcode))
-        };
-        let _ = self.screen.line(&line);
-    }
-
-    fn state(&mut self, report: &Report) {
-        // On a terminal the live line says it.
-        if !self.json && !self.screen.is_terminal() {
-            let _ = self.screen.line(&words::report(report));
-        }
-    }
-
-    fn progress(&mut self, report: &Report) {
-        if !self.json {
-            let _ = self.screen.live(&format!("{}  {:.1} s", words::report(report), self.seconds()));
-        }
-    }
-
-    fn error(&mut self) {
-        if !self.json {
-            let _ = self.screen.line("the controller reports an error");
-        }
-    }
-
-    fn ended(&mut self, opcode: Opcode, outcome: Outcome, report: Option<Report>, health: &Health) {
-        let line = if self.json {
-            json!({
-                "request": request_name(opcode),
-                "outcome": outcome_name(outcome).replace(' ', "_"),
-                "seconds": (self.seconds() * 1000.0).round() / 1000.0,
-                "status": report.map(|report| words::report_json(&report)),
-                "link": {
-                    "frames": health.frames,
-                    "malformed": health.malformed,
-                    "strays": health.strays,
-                    "garbage_bytes": health.garbage_bytes,
-                    "checksum_failures": health.checksum_failures,
-                    "timeouts": health.timeouts,
-                    "repeats": health.repeats,
-                    "round_trip_ms": health.rtt_sum.checked_div(health.rtt_count),
-                },
-            })
-            .to_string()
-        } else {
-            let report = report.map(|report| words::report(&report));
-            match (opcode, outcome, report) {
-                (Opcode::STATUS, Outcome::Finished, Some(report)) => report,
-                (_, _, report) => {
-                    let report = report.map(|report| format!(": {report}")).unwrap_or_default();
-                    format!("{} {} after {:.1} s{report}", request_name(opcode), outcome_name(outcome), self.seconds())
-                }
-            }
-        };
-        let _ = self.screen.line(&line);
-    }
-}
-
-/// The name of the subcommand that makes a request.
-const fn request_name(opcode: Opcode) -> &'static str {
-    match opcode {
-        Opcode::HOMING => "home",
-        Opcode::MOVE => "move",
-        Opcode::STATUS => "status",
-        _ => "cancel",
-    }
-}
-
-const fn outcome_name(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Finished => "finished",
-        Outcome::Refused => "refused",
-        Outcome::Failed => "failed",
-        Outcome::Cancelled => "cancelled",
-        Outcome::TimedOut => "timed out",
     }
 }

@@ -27,9 +27,9 @@ impl Protocol {
     /// What takes its messages apart.
     pub(crate) fn decoder(self) -> Box<dyn Decoder> {
         match self {
-            Self::Deltarobot => Box::new(deltarobot::Frames::new()),
-            Self::Line => Box::new(line::Lines::new()),
-            Self::Gx => Box::new(gx::Items::new()),
+            Self::Deltarobot => Box::<deltarobot::Frames>::default(),
+            Self::Line => Box::<line::Lines>::default(),
+            Self::Gx => Box::<gx::Items>::default(),
         }
     }
 

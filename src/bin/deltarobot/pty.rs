@@ -5,13 +5,14 @@ use std::io;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::PollFlags;
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use crate::status::Failure;
+use crate::wait::wait;
 
 /// The far end of a device which other programs open by its path.
 pub(crate) struct Pty {
@@ -77,13 +78,7 @@ impl Pty {
     }
 
     fn wait(&self, timeout_ms: u32) -> Result<PollFlags, Failure> {
-        let time = Timespec { tv_sec: i64::from(timeout_ms / 1000), tv_nsec: i64::from(timeout_ms % 1000) * 1_000_000 };
-        let mut polled = [PollFd::new(&self.fd, PollFlags::IN)];
-        match poll(&mut polled, Some(&time)) {
-            Ok(_) => Ok(polled.first().map_or(PollFlags::empty(), PollFd::revents)),
-            Err(Errno::INTR) => Ok(PollFlags::empty()),
-            Err(error) => Err(self.failure(error)),
-        }
+        wait(&self.fd, timeout_ms).map_err(|error| self.failure(error))
     }
 
     /// Writes what there is room for. A line does not wait for who reads too slowly, or not at all.

@@ -38,15 +38,16 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
     let mut device = Device::open(&arguments.port, arguments.speed)?;
+    // The file last: what is there stays if anything else is missing.
+    let pty = if arguments.tap { Some(Pty::new(arguments.link.as_deref())?) } else { None };
     let mut file = Recorder::create(arguments)?;
-    if !arguments.tap {
+    let Some(pty) = pty else {
         while !signals.came() {
             let bytes = device.read(1000)?;
             file.note(Side::Controller, bytes)?;
         }
         return Ok(Status::Finished);
-    }
-    let pty = Pty::new(arguments.link.as_deref())?;
+    };
     if !file.is_output() {
         Screen::new().line(&pty.path().display().to_string())?;
     }

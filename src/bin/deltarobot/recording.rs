@@ -12,7 +12,7 @@
 use std::io::{self, Write};
 use std::time::Duration;
 
-use crate::wire::{from_hex, hex};
+use crate::hex::{from_hex, hex};
 
 /// The first line.
 pub(crate) const HEADER: &str = "# deltarobot recording 1";

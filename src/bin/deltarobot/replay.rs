@@ -34,6 +34,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let name = arguments.file.display();
     let text = fs::read(&arguments.file).map_err(|error| Failure::of_file(&name, &error))?;
     let entries = recording::read(&text).map_err(|error| Failure::of(&name, error))?;
+    let entries: Vec<_> = entries.iter().filter(|entry| entry.from == arguments.side).collect();
+    if entries.is_empty() {
+        let side = arguments.side.name();
+        return Err(Failure::Usage(format!("{name}: nothing in it was sent by the {side}; try --side")));
+    }
     let signals = Signals::catch()?;
     let mut device = match arguments.port.as_os_str() {
         output if output == "-" => None,
@@ -41,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     let mut screen = Screen::new();
     let began = Instant::now();
-    for entry in entries.iter().filter(|entry| entry.from == arguments.side) {
+    for entry in entries {
         loop {
             if signals.came() {
                 return Ok(Status::Cancelled);

@@ -36,7 +36,7 @@ trait Machine {
 }
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Prints the path of its device, and runs until Ctrl-C.")]
+#[command(after_help = "Prints the path of its device, and runs until Ctrl-C.", allow_negative_numbers = true)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     spoken: Spoken,

@@ -7,13 +7,10 @@ use deltarobot::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 use deltarobot::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Opcode, Ring};
 use serde_json::json;
 
-use super::{Decoder, Kind, Lanes, Piece, QUIET, Terms};
+use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
+use crate::hex::hex;
 use crate::recording::Side;
-use crate::wire::hex;
 use crate::words;
-
-/// A run of garbage without an end is told in pieces of this many bytes.
-const GARBAGE_MAX: usize = 64;
 
 pub(crate) const TERMS: Terms = Terms {
     messages: "frames",
@@ -23,14 +20,9 @@ pub(crate) const TERMS: Terms = Terms {
 };
 
 /// Finds frames as the library does, and keeps what it throws away.
+#[derive(Default)]
 pub(crate) struct Frames {
     lanes: Lanes<Lane>,
-}
-
-impl Frames {
-    pub(crate) fn new() -> Self {
-        Self { lanes: Lanes::default() }
-    }
 }
 
 impl Decoder for Frames {
@@ -85,17 +77,12 @@ const fn sender(opcode: Opcode) -> Option<Side> {
 }
 
 /// The bytes of one direction.
+#[derive(Default)]
 struct Lane {
     ring: Ring,
     /// The bytes in the ring.
     waiting: VecDeque<u8>,
     garbage: Vec<u8>,
-}
-
-impl Default for Lane {
-    fn default() -> Self {
-        Self { ring: Ring::new(), waiting: VecDeque::new(), garbage: Vec::new() }
-    }
 }
 
 impl Lane {

@@ -7,15 +7,13 @@ use std::time::Duration;
 use deltarobot::gx::{CommandReceiver, Item, Message, NoticeReceiver};
 use serde_json::json;
 
-use super::{Decoder, Kind, Lanes, Piece, QUIET, Terms};
+use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
+use crate::hex::hex;
 use crate::recording::Side;
-use crate::wire::hex;
 use words::{piece, reason};
 
 /// What is incomplete is given up after so long: somebody may be typing.
 const PAUSE: Duration = Duration::from_secs(1);
-/// A run of garbage without an end is told in pieces of this many bytes.
-const GARBAGE_MAX: usize = 64;
 /// No number needs more bytes, `#` included, unless zeros come first.
 const NUMBER_LONGEST: usize = 16;
 const ESC: u8 = 0x1B;
@@ -29,12 +27,6 @@ pub(crate) const TERMS: Terms =
 #[derive(Default)]
 pub(crate) struct Items {
     lanes: Lanes<Lane>,
-}
-
-impl Items {
-    pub(crate) fn new() -> Self {
-        Self::default()
-    }
 }
 
 impl Decoder for Items {
@@ -276,7 +268,7 @@ mod tests {
 
     /// All that was sent, and that it does not matter in which portions it comes.
     fn all(from: Option<Side>, bytes: &[u8]) -> Vec<String> {
-        let [mut whole, mut single] = [Items::new(), Items::new()];
+        let [mut whole, mut single] = [Items::default(), Items::default()];
         let mut texts = feed(&mut whole, from, bytes);
         let mut one_by_one: Vec<_> = bytes.iter().flat_map(|byte| feed(&mut single, from, &[*byte])).collect();
         for (texts, items) in [(&mut texts, &mut whole), (&mut one_by_one, &mut single)] {
@@ -345,7 +337,7 @@ mod tests {
 
     #[test]
     fn silence() {
-        let mut items = Items::new();
+        let mut items = Items::default();
         assert!(feed(&mut items, None, b"#\x81\x80").is_empty());
         assert_eq!(items.idle(None, Duration::from_millis(49)), []);
         assert_eq!(items.idle(None, Duration::from_millis(50))[0].text, "#1 completed");

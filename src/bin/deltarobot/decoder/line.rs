@@ -7,8 +7,8 @@ use deltarobot::line::{COMMAND_MAX, Checksum, Malformed, Message};
 use serde_json::{Value, json};
 
 use super::{Decoder, Kind, Lanes, Piece, Terms};
+use crate::hex::hex;
 use crate::recording::Side;
-use crate::wire::hex;
 
 /// A line whose end has not come for so long is given up. The protocol has no such limit: somebody may be typing.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -29,12 +29,6 @@ pub(crate) const TERMS: Terms = Terms {
 pub(crate) struct Lines {
     lanes: Lanes<Vec<u8>>,
     devices: Devices,
-}
-
-impl Lines {
-    pub(crate) fn new() -> Self {
-        Self::default()
-    }
 }
 
 impl Decoder for Lines {
@@ -181,7 +175,7 @@ mod tests {
 
     #[test]
     fn devices_get_their_names() {
-        let mut lines = Lines::new();
+        let mut lines = Lines::default();
         assert_eq!(
             texts(&mut lines, b"c=heaterinfo&id=a\nc=welcome&id=a&type=T\r\nc=welcome&id=b&type=T&name=Left%20lamp\n"),
             ["heaterinfo  id=a", "welcome  id=a  type=T", "welcome  id=b  type=T  name=Left lamp"]
@@ -194,7 +188,7 @@ mod tests {
 
     #[test]
     fn what_is_no_line() {
-        let mut lines = Lines::new();
+        let mut lines = Lines::default();
         assert_eq!(
             texts(&mut lines, b"x=1\nc=%4\nc=go\xFF&s=zz\n\x00\n"),
             [

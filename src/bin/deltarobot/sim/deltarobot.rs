@@ -5,12 +5,11 @@ mod robot;
 use std::time::Duration;
 
 use deltarobot::deltarobot::controller::{Dispatcher, Judgement, Order};
-use deltarobot::deltarobot::{Layout, Message, PAYLOAD_MAX};
+use deltarobot::deltarobot::{FRAME_MAX, Layout, Message, PAYLOAD_MAX, encode};
 
 use super::random::Random;
 use super::{Machine, above_zero};
 use crate::decoder::QUIET;
-use crate::wire::frame;
 use robot::Robot;
 
 /// Options of the controller.
@@ -115,8 +114,10 @@ impl Controller {
             *stat |= 0xE0;
             [*first, *second, *third, ..] = self.rubbish.next().to_le_bytes();
         }
+        let mut frame = [0; FRAME_MAX];
         // What is too long for this build's frames is not sent.
-        out.extend(frame(message.opcode(), payload.get(..length).unwrap_or_default()).unwrap_or_default());
+        let length = encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame).unwrap_or(0);
+        out.extend_from_slice(frame.get(..length).unwrap_or_default());
     }
 }
 

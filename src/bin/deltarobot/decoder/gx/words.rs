@@ -4,8 +4,8 @@ use deltarobot::gx::{AXES, Format, Item, MASK_AXES, Message, Vector, motion};
 use serde_json::{Value, json};
 
 use crate::decoder::{Kind, Piece};
+use crate::hex::hex;
 use crate::recording::Side;
-use crate::wire::hex;
 
 /// What the axes are called.
 const NAMES: [&str; AXES] = ["x", "y", "z", "a", "b", "c"];

@@ -37,7 +37,9 @@ impl Robot {
     }
 
     pub(super) fn move_to(&mut self, target: Position) -> bool {
-        self.begin(State::Moving, target.0.map(|bits| f64::from(f32::from_bits(bits))))
+        // Towards what is infinite there is no line.
+        let finite = |bits| f64::from(f32::from_bits(bits).clamp(f32::MIN, f32::MAX));
+        self.begin(State::Moving, target.0.map(finite))
     }
 
     pub(super) fn cancel(&mut self) -> bool {
@@ -133,6 +135,10 @@ mod tests {
         robot.move_to(at([20.0, -1.0, 5.5]));
         settle(&mut robot);
         assert_eq!(robot.report(true).state(), State::Error);
+        robot.move_to(at([f32::INFINITY, f32::NEG_INFINITY, 5.5]));
+        settle(&mut robot);
+        assert_eq!(robot.report(true).state(), State::Error);
+        assert!(robot.report(true).position.is_finite());
     }
 
     #[test]

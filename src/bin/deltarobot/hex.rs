@@ -1,13 +1,4 @@
-//! Messages as the bytes of their frames.
-
-use deltarobot::deltarobot::{FRAME_MAX, Opcode, encode};
-
-/// The frame of an opcode and a payload; `None` when the payload is longer than this build allows.
-pub(crate) fn frame(opcode: Opcode, payload: &[u8]) -> Option<Vec<u8>> {
-    let mut frame = [0; FRAME_MAX];
-    let length = encode(opcode, payload, &mut frame)?;
-    frame.get(..length).map(<[u8]>::to_vec)
-}
+//! Bytes as hexadecimal digits.
 
 /// Bytes as text, such as `24 53 00 B1 3A`.
 pub(crate) fn hex(bytes: &[u8]) -> String {
