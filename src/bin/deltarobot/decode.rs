@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     pieces.extend(decoder.end(arguments.from));
     let mut screen = Screen::new();
     for piece in &pieces {
-        screen.line(&if arguments.json { piece.add_to(json!({})).to_string() } else { piece.text.clone() })?;
+        if arguments.json { screen.json(&piece.add_to(json!({}))) } else { screen.line(&piece.text) }?;
     }
     let all_messages = !pieces.is_empty() && pieces.iter().all(Piece::is_message);
     Ok(if all_messages { Status::Finished } else { Status::NotDone })

@@ -20,6 +20,11 @@ pub(crate) const QUIET: Duration = Duration::from_millis(QUIET_MS as u64);
 /// A run of garbage without an end is told in pieces of about this many bytes.
 const GARBAGE_MAX: usize = 64;
 
+/// Kinds of messages that are counted each for itself: some protocols let who sends make up names.
+const KINDS_MAX: usize = 100;
+/// What the others are counted as.
+const OTHERS: &str = "(others)";
+
 /// Takes the bytes of a line apart.
 pub(crate) trait Decoder {
     /// Takes bytes of which it is known, or not, who sent them, and gives back what is certain by then.
@@ -127,7 +132,11 @@ impl Statistics {
 
     pub(crate) fn count(&mut self, piece: &Piece) {
         match &piece.kind {
-            Kind::Message(name) => *self.messages.entry(name.clone()).or_default() += 1,
+            Kind::Message(name) => {
+                let is_counted = self.messages.len() < KINDS_MAX || self.messages.contains_key(name);
+                let name = if is_counted { name.clone() } else { OTHERS.into() };
+                *self.messages.entry(name).or_default() += 1;
+            }
             Kind::Garbage { bytes, damaged } => {
                 self.garbage_bytes += bytes;
                 self.damaged += damaged;
@@ -170,4 +179,25 @@ impl Statistics {
 /// In microseconds' precision.
 pub(crate) fn seconds(time: Duration) -> Value {
     format!("{:.6}", time.as_secs_f64()).parse::<f64>().map_or(Value::Null, Value::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{KINDS_MAX, Kind, OTHERS, Piece, Statistics, line};
+
+    #[test]
+    fn names_without_end_are_counted_as_one() {
+        let mut statistics = Statistics::new(line::TERMS);
+        for round in 0..2 {
+            for number in 0..3 * KINDS_MAX {
+                let kind = Kind::Message(format!("c{number}").into());
+                statistics.count(&Piece::new(None, kind, String::new(), serde_json::Value::Null));
+            }
+            assert_eq!(statistics.messages.len(), KINDS_MAX + 1);
+            assert_eq!(
+                (statistics.messages["c7"], statistics.messages[OTHERS]),
+                (round + 1, (round + 1) * 2 * KINDS_MAX)
+            );
+        }
+    }
 }

@@ -186,19 +186,20 @@ impl Monitor {
             self.tell(&pieces, heard)?;
         }
         let it = &self.statistics;
-        let line = if self.json { it.json(self.last).to_string() } else { it.text(self.last) };
-        Ok(self.screen.line(&line)?)
+        Ok(if self.json { self.screen.json(&it.json(self.last)) } else { self.screen.line(&it.text(self.last)) }?)
     }
 
     fn tell(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
         for piece in pieces {
             self.statistics.count(piece);
-            let line = if self.json {
-                piece.add_to(json!({ "time": seconds(time), "from": piece.from.map(Side::name) })).to_string()
+            let from = piece.from;
+            if self.json {
+                let when = json!({ "time": seconds(time), "from": from.map(Side::name) });
+                self.screen.json(&piece.add_to(when))?;
             } else {
-                format!("{:10.3} {} {}", time.as_secs_f64(), piece.from.map_or(' ', Side::arrow), piece.text)
-            };
-            self.screen.line(&line)?;
+                let arrow = from.map_or(' ', Side::arrow);
+                self.screen.line(&format!("{:10.3} {arrow} {}", time.as_secs_f64(), piece.text))?;
+            }
         }
         Ok(())
     }
