@@ -15,11 +15,11 @@
 //!
 //! # A request
 //!
-//! is sent, and again when no answer came in [`Settings::ack_ms`], up to [`Settings::attempts`] times. The
-//! specification asks for this "depending on the opcode". Here every request is repeated, since carrying one out twice
-//! is no harm: a move goes to an absolute position, homing and cancelling end in one state, asking changes nothing. But
-//! an operation is not repeated any more once its cancelling was requested, or an error was reported: that would move
-//! the robot against the user's will.
+//! is sent, and again when no answer came in [`Settings::ack_ms`], up to [`attempts`](field@Settings::attempts) times.
+//! The specification asks for this "depending on the opcode". Here every request is repeated, since carrying one out
+//! twice is no harm: a move goes to an absolute position, homing and cancelling end in one state, asking changes
+//! nothing. But an operation is not repeated any more once its cancelling was requested, or an error was reported: that
+//! would move the robot against the user's will.
 //!
 //! - Accepted: its ack came. What was received before belongs to an older operation and ends nothing.
 //! - Refused: its nack came. After a repeat that may be because the first request, whose ack was lost, is being carried
