@@ -36,7 +36,12 @@ trait Machine {
 }
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Prints the path of its device, and runs until Ctrl-C.", allow_negative_numbers = true)]
+#[command(
+    after_help = "Prints the path of its device, and runs until Ctrl-C. A delta robot's move beyond an end stop, which \
+    is where a displacement is 0, is an error: from then on, as in shipped firmware, everything but a status request \
+    is refused.",
+    allow_negative_numbers = true
+)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     spoken: Spoken,

@@ -20,8 +20,7 @@ pub(super) struct ControllerOptions {
     /// `spec` sends 13 bytes, and HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides
     #[arg(long, value_enum)]
     layout: Option<Kind>,
-    /// Displacement of the fastest arm in a second; 50 by default. A move beyond an end stop, which is where a
-    /// displacement is 0, is an error: from then on, as in shipped firmware, everything but a status request is refused
+    /// Displacement of the fastest arm in a second; 50 by default
     #[arg(long, value_name = "UNITS", value_parser = above_zero)]
     speed: Option<f64>,
     /// Sends neither ACK nor NACK
