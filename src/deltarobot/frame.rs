@@ -96,11 +96,11 @@ impl Payload<'_> {
 }
 
 /// Writes the frame of `opcode` and `payload` to the beginning of `out` and tells its length in bytes, 5 to
-/// [`FRAME_MAX`]; `None` when the payload is longer than [`DP_DATA_MAX_SIZE`].
+/// [`FRAME_MAX`]; `None` when it does not fit or the payload is longer than [`DP_DATA_MAX_SIZE`].
 #[inline(always)]
-pub fn encode<P: Place>(opcode: Opcode, payload: &[u8], out: &mut [P; FRAME_MAX]) -> Option<usize> {
+pub fn encode<P: Place>(opcode: Opcode, payload: &[u8], out: &mut [P]) -> Option<usize> {
     let length = u8::try_from(payload.len()).ok().filter(|_| payload.len() <= DP_DATA_MAX_SIZE)?;
-    let [place_of_start, place_of_opcode, place_of_length, rest @ ..] = out;
+    let [place_of_start, place_of_opcode, place_of_length, rest @ ..] = out else { return None };
     (*place_of_start, *place_of_opcode, *place_of_length) = (P::of(FRAME_START), P::of(opcode.0), P::of(length));
     let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
     let (places, behind) = rest.split_at_mut_checked(payload.len())?;

@@ -48,14 +48,14 @@
 //! would start the operation again. No harm is done by ignoring an `h`: the status is asked for until the end.
 //!
 //! ```
-//! use deltarobot::deltarobot::host::{Event, Host, Outcome, Settings};
-//! use deltarobot::deltarobot::{FRAME_MAX, Opcode};
+//! use deltarobot::deltarobot::Opcode;
+//! use deltarobot::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
 //!
 //! let mut host = Host::new(Settings::new());
 //! host.home().unwrap();
-//! let (mut room, mut payload) = ([0; FRAME_MAX], [0; 32]);
+//! let (mut room, mut payload) = ([0; REQUEST_MAX], [0; 32]);
 //! assert_eq!(host.poll(0, &mut payload), None);
-//! let length = host.output(FRAME_MAX, &mut room, 0);
+//! let length = host.output(REQUEST_MAX, &mut room, 0);
 //! assert_eq!(room[..length], *b"$H\0\xA6:");
 //!
 //! host.receive(b"$A\x01H\xE8:$h\0\xC6:", 5);
@@ -83,7 +83,7 @@ pub use request::Request;
 use request::{FREE, QUEUED};
 pub use settings::Settings;
 
-use super::{FRAME_MAX, Layout, Message, Opcode, PAYLOAD_MAX, POSITION_SIZE, Place, Position, Report};
+use super::{FRAME_OVERHEAD, Layout, Message, Opcode, PAYLOAD_MAX, POSITION_SIZE, Place, Position, Report};
 
 /// A host session. Its fields are private; all zero is a new session with default settings.
 #[derive(Clone, Debug)]
@@ -126,6 +126,9 @@ pub struct Host {
 /// A request of the kind is going on, or its outcome has not been fetched yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Busy;
+
+/// Bytes of the longest frame that is sent: a move's.
+pub const REQUEST_MAX: usize = POSITION_SIZE.wrapping_add(FRAME_OVERHEAD);
 
 const SEND_CANCEL: c_int = 1;
 const SEND_OPERATION: c_int = 2;
@@ -299,7 +302,7 @@ impl Host {
 
     /// Writes the frame of the next request that fits in `room` bytes, and returns its length; 0 when there is none:
     /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, frame: &mut [u8; FRAME_MAX], now: u32) -> usize {
+    pub fn output(&mut self, room: usize, frame: &mut [u8; REQUEST_MAX], now: u32) -> usize {
         let operation = match Opcode(self.opcode) {
             Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),
             _ => Message::Homing,

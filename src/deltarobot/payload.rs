@@ -1,6 +1,6 @@
 //! What a frame says: an opcode and its payload as one value (specification, section "Opcodes").
 
-use super::{FRAME_MAX, Frame, Opcode, POSITION_SIZE, Place, Position, encode};
+use super::{Frame, Opcode, POSITION_SIZE, Place, Position, encode};
 
 /// Bytes of the longest payload that is written: a status report as shipped firmware sends it.
 pub const PAYLOAD_MAX: usize = 16;
@@ -183,10 +183,10 @@ impl Message {
         }
     }
 
-    /// Writes the frame that says this to the beginning of `out` and tells its length; `None` when this build's frames
-    /// are too short for it.
+    /// Writes the frame that says this to the beginning of `out` and tells its length; `None` when it does not fit, or
+    /// this build's frames are too short for it.
     #[must_use]
-    pub fn encode<P: Place>(&self, layout: Layout, out: &mut [P; FRAME_MAX]) -> Option<usize> {
+    pub fn encode<P: Place>(&self, layout: Layout, out: &mut [P]) -> Option<usize> {
         let mut payload = [0; PAYLOAD_MAX];
         let length = self.write(layout, &mut payload);
         encode(self.opcode(), payload.get(..length).unwrap_or_default(), out)

@@ -80,6 +80,8 @@ const fn magnitude(bits: u32) -> u32 {
 }
 
 /// A float's value, rounded towards zero, in units so small that the largest float there is has 30 bits.
+// Three copies of it are larger.
+#[inline(never)]
 fn units(bits: u32, largest: u32) -> i32 {
     let exponent = |bits| magnitude(bits) >> 23;
     let significand = bits & 0x7F_FFFF | 0x80_0000;

@@ -7,8 +7,8 @@ use std::ffi::{c_int, c_ulong};
 use std::path::PathBuf;
 
 use deltarobot::config::DP_DATA_MAX_SIZE;
-use deltarobot::deltarobot::host::{Event, Host, Outcome, Settings};
-use deltarobot::deltarobot::{FRAME_MAX, Layout, Opcode, POSITION_SIZE, Position, State};
+use deltarobot::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
+use deltarobot::deltarobot::{Layout, Opcode, POSITION_SIZE, Position, State};
 
 use crate::port::{Device, Speed};
 use crate::screen::complain;
@@ -209,9 +209,9 @@ impl Session {
     }
 
     fn send(&mut self, now: u32) -> Result<(), Failure> {
-        let mut frame = [0; FRAME_MAX];
+        let mut frame = [0; REQUEST_MAX];
         loop {
-            match self.host.output(FRAME_MAX, &mut frame, now) {
+            match self.host.output(REQUEST_MAX, &mut frame, now) {
                 0 => return Ok(()),
                 length => self.device.write(frame.get(..length).unwrap_or_default())?,
             }

@@ -214,8 +214,8 @@ impl Host {
 
 #[cfg(test)]
 mod tests {
-    use crate::deltarobot::host::{Event, Host, Outcome, Settings};
-    use crate::deltarobot::{FRAME_MAX, Layout, Message, Opcode, PAYLOAD_MAX, Position, Report};
+    use crate::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
+    use crate::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX, Position, Report};
 
     const TARGET: Position = Position([0x3F80_0000, 0x4000_0000, 0xC060_0000]);
     const ELSEWHERE: Position = Position([0x4000_0000; 3]);
@@ -233,7 +233,7 @@ mod tests {
         let mut host = Host::new(Settings::new());
         assert_eq!(host.move_to(TARGET), Ok(()));
         assert_eq!(host.poll(0, &mut [0; 0]), None);
-        let mut frame = [0; FRAME_MAX];
+        let mut frame = [0; REQUEST_MAX];
         assert_eq!((host.output(16, &mut frame, 0), host.output(17, &mut frame, 0)), (0, 17));
         assert_eq!(frame[..17], *b"$M\x0C\0\0\x80\x3F\0\0\0\x40\0\0\x60\xC0\xD6:");
         assert_eq!(host.output(17, &mut frame, 0), 0);

@@ -139,8 +139,8 @@ impl Host {
 
 #[cfg(test)]
 mod tests {
-    use crate::deltarobot::host::{Event, Host, Outcome, Settings};
-    use crate::deltarobot::{FRAME_MAX, Opcode};
+    use crate::deltarobot::Opcode;
+    use crate::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
 
     #[test]
     fn a_request_is_repeated_until_it_has_timed_out() {
@@ -153,7 +153,7 @@ mod tests {
             assert_eq!(host.poll(now.wrapping_sub(1), &mut [0; 0]), None);
             assert_eq!(host.poll(now, &mut [0; 0]), None);
             assert_eq!(host.next_deadline(now), Some(0));
-            let mut frame = [0; FRAME_MAX];
+            let mut frame = [0; REQUEST_MAX];
             assert_eq!(host.output(5, &mut frame, now), 5);
             assert_eq!(frame[..5], *b"$H\0\xA6:");
             assert_eq!(host.next_deadline(now), Some(100));
