@@ -11,7 +11,7 @@ use super::memory::{bytes_of, fill, int, long, zero};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_WINDOW_MAX;
-use crate::gx::host::{Host, HostEvent, HostHealth, HostSettings, Outcome, Requested, Window};
+use crate::gx::host::{Event, Health, Host, Outcome, Requested, Settings, Window};
 use crate::gx::{AXES, MASK_AXES, PERIOD_MAX, POSITION_MAX, POSITION_MIN, VELOCITY_MAX, Vector};
 
 /// Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
@@ -42,7 +42,7 @@ pub const GX_HOST_LOST: c_int = 6;
 /// Something that happened.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Event {
+pub struct HostEvent {
     /// What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
     pub kind: c_int,
     /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
@@ -64,22 +64,25 @@ const _: () = {
     const fn up(size: usize, align: usize) -> usize {
         size.next_multiple_of(align)
     }
-    assert!(offset_of!(HostSettings, answer_ms) == 0 && offset_of!(HostSettings, probe_ms) == LONG);
-    assert!(offset_of!(HostSettings, move_ms) == 2 * LONG && offset_of!(HostSettings, gap_ms) == 3 * LONG);
-    assert!(offset_of!(HostSettings, attempts) == 4 * LONG && offset_of!(HostSettings, window) == 4 * LONG + INT);
-    assert!(offset_of!(HostSettings, ascii) == 4 * LONG + 2 * INT);
-    assert!(offset_of!(HostSettings, first_number) == 4 * LONG + 3 * INT);
-    assert!(size_of::<HostSettings>() == up(4 * LONG + 4 * INT, align_of::<c_ulong>()));
-    assert!(offset_of!(HostHealth, moves) == 0 && offset_of!(HostHealth, repeats) == LONG);
-    assert!(offset_of!(HostHealth, completions) == 2 * LONG && offset_of!(HostHealth, errors) == 3 * LONG);
-    assert!(offset_of!(HostHealth, strays) == 4 * LONG && offset_of!(HostHealth, reports) == 5 * LONG);
-    assert!(offset_of!(HostHealth, malformed) == 6 * LONG && offset_of!(HostHealth, timeouts) == 7 * LONG);
-    assert!(offset_of!(HostHealth, sessions) == 8 * LONG && size_of::<HostHealth>() == 9 * LONG);
+    assert!(offset_of!(Settings, answer_ms) == 0 && offset_of!(Settings, probe_ms) == LONG);
+    assert!(offset_of!(Settings, move_ms) == 2 * LONG && offset_of!(Settings, gap_ms) == 3 * LONG);
+    assert!(offset_of!(Settings, attempts) == 4 * LONG && offset_of!(Settings, window) == 4 * LONG + INT);
+    assert!(offset_of!(Settings, ascii) == 4 * LONG + 2 * INT);
+    assert!(offset_of!(Settings, first_number) == 4 * LONG + 3 * INT);
+    assert!(size_of::<Settings>() == up(4 * LONG + 4 * INT, align_of::<c_ulong>()));
+    assert!(offset_of!(Health, moves) == 0 && offset_of!(Health, repeats) == LONG);
+    assert!(offset_of!(Health, completions) == 2 * LONG && offset_of!(Health, errors) == 3 * LONG);
+    assert!(offset_of!(Health, strays) == 4 * LONG && offset_of!(Health, reports) == 5 * LONG);
+    assert!(offset_of!(Health, malformed) == 6 * LONG && offset_of!(Health, timeouts) == 7 * LONG);
+    assert!(offset_of!(Health, sessions) == 8 * LONG && size_of::<Health>() == 9 * LONG);
     assert!(size_of::<Requested>() == VECTOR + 4);
     assert!(size_of::<Window>() == up(GX_WINDOW_MAX * size_of::<Requested>() + VECTOR + 5, align_of::<i32>()));
-    assert!(offset_of!(Event, kind) == 0 && offset_of!(Event, outcome) == INT);
-    assert!(offset_of!(Event, code) == 2 * INT && offset_of!(Event, number) == 3 * INT);
-    assert!(offset_of!(Event, position) == 4 * INT && size_of::<Event>() == up(4 * INT + VECTOR, align_of::<c_int>()));
+    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, outcome) == INT);
+    assert!(offset_of!(HostEvent, code) == 2 * INT && offset_of!(HostEvent, number) == 3 * INT);
+    assert!(
+        offset_of!(HostEvent, position) == 4 * INT
+            && size_of::<HostEvent>() == up(4 * INT + VECTOR, align_of::<c_int>())
+    );
     if INT == 4 && LONG == 8 {
         assert!(size_of::<Host>() == up(48 + 72 + size_of::<Window>() + VECTOR + 40, LONG) + up(6 * LONG + 15, LONG));
     }
@@ -103,7 +106,7 @@ const _: () = {
 ///
 /// cbindgen:postfix=GX_SIZED("gx_host_init")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
+pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
     if host.is_null() {
         return GX_RC_ERROR_GENERIC;
     }
@@ -116,7 +119,7 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const HostSett
     }
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_host_init(host: *mut Host, settings: *const HostSettings) -> c_int);
+sized_alias!(gx: gx_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 
 /// Requests a move behind those requested before. The end comes as an event.
 ///
@@ -238,7 +241,7 @@ sized_alias!(gx: gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_i
 ///
 /// cbindgen:postfix=GX_SIZED("gx_host_poll")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Event) -> c_int {
+pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
@@ -246,20 +249,20 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     let (mut outcome, mut code, mut number) = (0, 0, -1);
     let kind = match host.poll(time(now_ms)) {
         None => 0,
-        Some(HostEvent::Ended(how, why)) => {
+        Some(Event::Ended(how, why)) => {
             (outcome, code) = (outcome_of(how), why);
             GX_HOST_ENDED
         }
-        Some(HostEvent::Report(position)) => {
+        Some(Event::Report(position)) => {
             // SAFETY: event is not NULL.
             unsafe { write_vector(&raw mut (*event).position, position) };
             GX_HOST_REPORT
         }
-        Some(HostEvent::Error(why, of)) => {
+        Some(Event::Error(why, of)) => {
             (code, number) = (why, of.map_or(-1, small));
             GX_HOST_ERROR
         }
-        Some(HostEvent::Begun) => GX_HOST_BEGUN,
+        Some(Event::Begun) => GX_HOST_BEGUN,
     };
     // SAFETY: event is not NULL.
     unsafe {
@@ -270,7 +273,7 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     }
     if kind == 0 { GX_RC_NO_EVENT } else { GX_RC_SUCCESS }
 }
-sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Event) -> c_int);
+sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
 
 /// Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
 /// `gx_host_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
@@ -355,14 +358,14 @@ sized_alias!(gx: gx_host_unfinished(host: *const Host) -> c_int);
 ///
 /// cbindgen:postfix=GX_SIZED("gx_host_get_health")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const HostHealth {
+pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { host.as_ref() } {
         Some(host) => host.health(),
         None => core::ptr::null(),
     }
 }
-sized_alias!(gx: gx_host_get_health(host: *const Host) -> *const HostHealth);
+sized_alias!(gx: gx_host_get_health(host: *const Host) -> *const Health);
 
 const fn outcome_of(outcome: Outcome) -> c_int {
     match outcome {

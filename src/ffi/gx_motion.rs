@@ -11,7 +11,7 @@ use super::memory::{bytes_of, fill, int, long, zero};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_QUEUE_MAX;
-use crate::gx::motion::{self, Motion, MotionEvent, MotionHealth, MotionSettings, Queue, Queued};
+use crate::gx::motion::{self, Event, Health, Motion, Queue, Queued, Settings};
 use crate::gx::{AXES, CommandReceiver, Number, Vector};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
@@ -29,7 +29,7 @@ pub const GX_MOTION_REPORTING: c_int = 5;
 /// Something that happened.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Event {
+pub struct MotionEvent {
     /// What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`.
     pub kind: c_int,
     /// The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`.
@@ -49,20 +49,20 @@ const _: () = {
     const fn up(size: usize, align: usize) -> usize {
         size.next_multiple_of(align)
     }
-    assert!(offset_of!(MotionSettings, gap_ms) == 0 && offset_of!(MotionSettings, axes) == LONG);
-    assert!(offset_of!(MotionSettings, only_in_order) == LONG + INT);
-    assert!(size_of::<MotionSettings>() == up(LONG + 2 * INT, align_of::<c_ulong>()));
-    assert!(offset_of!(MotionHealth, moves) == 0 && offset_of!(MotionHealth, repeats) == LONG);
-    assert!(offset_of!(MotionHealth, refused) == 2 * LONG && offset_of!(MotionHealth, malformed) == 3 * LONG);
-    assert!(offset_of!(MotionHealth, reports) == 4 * LONG && size_of::<MotionHealth>() == 5 * LONG);
+    assert!(offset_of!(Settings, gap_ms) == 0 && offset_of!(Settings, axes) == LONG);
+    assert!(offset_of!(Settings, only_in_order) == LONG + INT);
+    assert!(size_of::<Settings>() == up(LONG + 2 * INT, align_of::<c_ulong>()));
+    assert!(offset_of!(Health, moves) == 0 && offset_of!(Health, repeats) == LONG);
+    assert!(offset_of!(Health, refused) == 2 * LONG && offset_of!(Health, malformed) == 3 * LONG);
+    assert!(offset_of!(Health, reports) == 4 * LONG && size_of::<Health>() == 5 * LONG);
     assert!(size_of::<Queued>() == VECTOR + up(3, align_of::<i32>()));
     assert!(size_of::<Queue>() == GX_QUEUE_MAX * size_of::<Queued>() + VECTOR + up(4, align_of::<i32>()));
-    assert!(offset_of!(Event, kind) == 0 && offset_of!(Event, number) == INT);
-    assert!(offset_of!(Event, code) == 2 * INT && offset_of!(Event, period) == 3 * INT);
-    assert!(size_of::<Event>() == 4 * INT);
+    assert!(offset_of!(MotionEvent, kind) == 0 && offset_of!(MotionEvent, number) == INT);
+    assert!(offset_of!(MotionEvent, code) == 2 * INT && offset_of!(MotionEvent, period) == 3 * INT);
+    assert!(size_of::<MotionEvent>() == 4 * INT);
     if INT == 4 && LONG == 8 {
         let receiver =
-            up(up(size_of::<MotionSettings>() + 5 * LONG + size_of::<Queue>() + VECTOR, LONG) + 16 + 26 + 10 + 6, 4);
+            up(up(size_of::<Settings>() + 5 * LONG + size_of::<Queue>() + VECTOR, LONG) + 16 + 26 + 10 + 6, 4);
         assert!(size_of::<Motion>() == up(up(receiver + size_of::<CommandReceiver>(), LONG) + LONG + 2, LONG));
     }
     assert!(GX_FAULT_ORDER == motion::ORDER as c_int && GX_FAULT_CLOSED == motion::CLOSED as c_int);
@@ -88,7 +88,7 @@ const _: () = {
 ///
 /// cbindgen:postfix=GX_SIZED("gx_motion_init")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const MotionSettings) -> c_int {
+pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
     if motion.is_null() {
         return GX_RC_ERROR_GENERIC;
     }
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Mo
     }
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_motion_init(motion: *mut Motion, settings: *const MotionSettings) -> c_int);
+sized_alias!(gx: gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int);
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
@@ -160,7 +160,7 @@ sized_alias!(gx: gx_motion_receive(motion: *mut Motion, buf: *const c_void, byte
 ///
 /// cbindgen:postfix=GX_SIZED("gx_motion_poll")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut Event) -> c_int {
+pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(motion) = (unsafe { motion.as_mut() }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
@@ -168,23 +168,23 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     let (mut number, mut code, mut period) = (None, 0, 0);
     let kind = match motion.poll(time(now_ms)) {
         None => 0,
-        Some(MotionEvent::Queued(of)) => {
+        Some(Event::Queued(of)) => {
             number = of;
             GX_MOTION_QUEUED
         }
-        Some(MotionEvent::Repeated(of)) => {
+        Some(Event::Repeated(of)) => {
             number = of;
             GX_MOTION_REPEATED
         }
-        Some(MotionEvent::Refused(of, why)) => {
+        Some(Event::Refused(of, why)) => {
             (number, code) = (of, why);
             GX_MOTION_REFUSED
         }
-        Some(MotionEvent::Begun(of)) => {
+        Some(Event::Begun(of)) => {
             number = of;
             GX_MOTION_BEGUN
         }
-        Some(MotionEvent::Reporting(every)) => {
+        Some(Event::Reporting(every)) => {
             period = every;
             GX_MOTION_REPORTING
         }
@@ -198,7 +198,7 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     }
     if kind == 0 { GX_RC_NO_EVENT } else { GX_RC_SUCCESS }
 }
-sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut Event) -> c_int);
+sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int);
 
 /// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only sets
 /// the velocity is no move: it takes effect, and ends, in its turn.
@@ -410,14 +410,14 @@ sized_alias!(gx: gx_motion_unfinished(motion: *const Motion) -> c_int);
 ///
 /// cbindgen:postfix=GX_SIZED("gx_motion_get_health")
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const MotionHealth {
+pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { motion.as_ref() } {
         Some(motion) => motion.health(),
         None => core::ptr::null(),
     }
 }
-sized_alias!(gx: gx_motion_get_health(motion: *const Motion) -> *const MotionHealth);
+sized_alias!(gx: gx_motion_get_health(motion: *const Motion) -> *const Health);
 
 /// Field by field, which never becomes a call of memcpy.
 ///

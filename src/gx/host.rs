@@ -20,7 +20,7 @@
 //! - a completion says that all moves up to this one are finished; a lost one is made up for by the next;
 //! - an error notice that is no final refusal has all unfinished moves sent again, in order, in absolute positions,
 //!   since it is not known which one was lost: none is carried out twice, as the motion side knows those it has taken;
-//! - the same when notices and commands were lost: when nothing ends for [`HostSettings::probe_ms`], the newest move is
+//! - the same when notices and commands were lost: when nothing ends for [`Settings::probe_ms`], the newest move is
 //!   sent again. If one before it was lost, it is refused; if it was finished, that is told again; else the position is
 //!   reported.
 //!
@@ -37,7 +37,7 @@
 //! dropped was not. There are two exceptions:
 //!
 //! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
-//!   [`only_in_order`](super::motion::MotionSettings::only_in_order); the moves are reported as lost. By default it
+//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it
 //!   takes moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
 //! - Notices and commands that are forged. There are no checksums: where bits flip, or a mask, an ASCII digit or
 //!   several bytes in a row are lost, another number or position may come of it, which nobody can tell from a true one.
@@ -55,18 +55,18 @@ use super::motion::{AXIS, CLOSED, CODE_FREE, STOPPED, STRIDE, copy};
 use super::{Fault, Item, Message, NUMBER_MAX, NoticeReceiver, Vector};
 use crate::clock::stamp;
 use crate::counter::count;
-pub use event::{HostEvent, Outcome};
+pub use event::{Event, Outcome};
 use event::{TELL_BEGUN, TELL_ERROR, TELL_REPORT};
-pub use health::HostHealth;
-pub use settings::HostSettings;
+pub use health::Health;
+pub use settings::Settings;
 pub use window::{Requested, Window};
 
 /// A host session. Its fields are private; all zero is a new session with default settings.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Host {
-    settings: HostSettings,
-    health: HostHealth,
+    settings: Settings,
+    health: Health,
     window: Window,
     /// The last report.
     position: Vector,
@@ -143,10 +143,10 @@ const LIMIT: u8 = Fault::Limit as u8;
 impl Host {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: HostSettings) -> Self {
+    pub const fn new(settings: Settings) -> Self {
         Self {
             settings,
-            health: HostHealth::new(),
+            health: Health::new(),
             window: Window::new(),
             position: Vector::new(),
             receiver: NoticeReceiver::new(),
@@ -172,7 +172,7 @@ impl Host {
     }
 
     /// Replaces the settings. For a session that has just begun.
-    pub fn set(&mut self, settings: &HostSettings) {
+    pub fn set(&mut self, settings: &Settings) {
         self.settings.answer_ms = settings.answer_ms;
         self.settings.probe_ms = settings.probe_ms;
         self.settings.move_ms = settings.move_ms;
@@ -213,7 +213,7 @@ impl Host {
 
     /// How the link does.
     #[must_use]
-    pub const fn health(&self) -> &HostHealth {
+    pub const fn health(&self) -> &Health {
         &self.health
     }
 
@@ -240,7 +240,7 @@ impl Host {
     }
 
     /// The next event; `None` when nothing has happened.
-    pub fn poll(&mut self, now: u32) -> Option<HostEvent<'_>> {
+    pub fn poll(&mut self, now: u32) -> Option<Event<'_>> {
         if self.tell == 0 && self.gap_left(now) == Some(0) {
             self.is &= !IS_BUSY;
             let mut item = Item::new();
@@ -255,16 +255,16 @@ impl Host {
         let next = self.tell & self.tell.wrapping_neg();
         self.tell ^= next;
         match next {
-            TELL_BEGUN => Some(HostEvent::Begun),
-            TELL_REPORT => Some(HostEvent::Report(&self.position)),
+            TELL_BEGUN => Some(Event::Begun),
+            TELL_REPORT => Some(Event::Report(&self.position)),
             TELL_ERROR => {
                 let number = (self.error_numbered != 0).then_some(self.error_number);
-                Some(HostEvent::Error(self.error_code, number))
+                Some(Event::Error(self.error_code, number))
             }
             _ => {
                 let (outcome, code) = self.window.take_ended()?;
                 self.cursor = self.cursor.saturating_sub(1);
-                Some(HostEvent::Ended(outcome, code))
+                Some(Event::Ended(outcome, code))
             }
         }
     }

@@ -35,7 +35,7 @@
 //!
 //! A motion side that was switched off and on, or reset, does not know of the session it was in, and takes what comes
 //! as from any host. Where that may happen unseen by a host that relies on its session,
-//! [`MotionSettings::only_in_order`] has it refuse all moves, as [`CLOSED`], until a session begins; for which one
+//! [`Settings::only_in_order`] has it refuse all moves, as [`CLOSED`], until a session begins; for which one
 //! request is enough then.
 //!
 //! # What can't be relied on
@@ -61,8 +61,8 @@ use super::{
 };
 use crate::clock::{left, stamp};
 use crate::counter::count;
-pub use event::{MotionEvent, Untold};
-pub use health::MotionHealth;
+pub use event::{Event, Untold};
+pub use health::Health;
 pub use notices::{Notice, Notices};
 pub use order::Order;
 pub(super) use order::STRIDE;
@@ -70,7 +70,7 @@ use order::{Opening, Verdict};
 pub(crate) use queue::copy;
 pub use queue::{Queue, Queued};
 pub use reports::Reports;
-pub use settings::MotionSettings;
+pub use settings::Settings;
 
 // Codes of error notices, behind those of receivers.
 
@@ -93,8 +93,8 @@ const ESC: u8 = 0x1B;
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Motion {
-    settings: MotionSettings,
-    health: MotionHealth,
+    settings: Settings,
+    health: Health,
     queue: Queue,
     /// What is reported.
     position: Vector,
@@ -114,10 +114,10 @@ pub struct Motion {
 impl Motion {
     /// A motion side that has just begun.
     #[must_use]
-    pub const fn new(settings: MotionSettings) -> Self {
+    pub const fn new(settings: Settings) -> Self {
         Self {
             settings,
-            health: MotionHealth::new(),
+            health: Health::new(),
             queue: Queue::new(),
             position: Vector::new(),
             reports: Reports::new(),
@@ -132,7 +132,7 @@ impl Motion {
     }
 
     /// Replaces the settings. For a motion side that has just begun.
-    pub fn set(&mut self, settings: &MotionSettings) {
+    pub fn set(&mut self, settings: &Settings) {
         self.settings.gap_ms = settings.gap_ms;
         self.settings.axes = settings.axes;
         self.settings.only_in_order = settings.only_in_order;
@@ -173,7 +173,7 @@ impl Motion {
     }
 
     /// The next event; `None` when nothing has happened.
-    pub fn poll(&mut self, now: u32) -> Option<MotionEvent> {
+    pub fn poll(&mut self, now: u32) -> Option<Event> {
         if self.busy != 0 && self.has_room() && left(now, self.arrived_at, self.settings.gap()) == 0 {
             self.busy = 0;
             let mut item = Item::new();
@@ -271,7 +271,7 @@ impl Motion {
 
     /// What was seen so far.
     #[must_use]
-    pub const fn health(&self) -> &MotionHealth {
+    pub const fn health(&self) -> &Health {
         &self.health
     }
 
@@ -288,7 +288,7 @@ impl Motion {
             Message::Move(vector) | Message::Step(vector) => self.command(&message, vector.mask, number, format),
             Message::Reporting(period) => {
                 self.reports.switch(*period, format);
-                self.untold.put(MotionEvent::Reporting(*period));
+                self.untold.put(Event::Reporting(*period));
                 match number {
                     Some(number) => self.asked(number),
                     None => self.order.forget(),
@@ -314,7 +314,7 @@ impl Motion {
         if opening != Opening::None {
             self.queue.silence();
             self.notices.clear();
-            self.untold.put(MotionEvent::Begun(Some(number)));
+            self.untold.put(Event::Begun(Some(number)));
         }
         if let Opening::Behind(first) = opening {
             self.notices.push(Some(Number { value: first, format: number.format }), number.format, 0);
@@ -335,7 +335,7 @@ impl Motion {
             },
             Verdict::Repeat(behind) => {
                 count(&mut self.health.repeats);
-                self.untold.put(MotionEvent::Repeated(number));
+                self.untold.put(Event::Repeated(number));
                 if behind < self.queue.awaited() {
                     self.reports.one(format);
                 } else if let Some(number) = number {
@@ -349,7 +349,7 @@ impl Motion {
         if number.is_none_or(|number| self.order.refuses(number.value)) {
             self.refuse(number, format, code);
         } else {
-            self.untold.put(MotionEvent::Refused(number, code));
+            self.untold.put(Event::Refused(number, code));
         }
     }
 
@@ -366,13 +366,13 @@ impl Motion {
         self.queue.push(message, named, number).map_err(|_| Fault::Limit as u8)?;
         self.order.taken();
         count(&mut self.health.moves);
-        self.untold.put(MotionEvent::Queued(number));
+        self.untold.put(Event::Queued(number));
         Ok(())
     }
 
     fn refuse(&mut self, number: Option<Number>, format: Format, code: u8) {
         self.notices.push(number, format, code);
-        self.untold.put(MotionEvent::Refused(number, code));
+        self.untold.put(Event::Refused(number, code));
     }
 }
 

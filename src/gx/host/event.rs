@@ -38,7 +38,7 @@ impl Outcome {
 
 /// What a session has to tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum HostEvent<'a> {
+pub enum Event<'a> {
     /// The position was reported.
     Report(&'a Vector),
     /// An error notice came: with this code, about the command with this number if it had one. What is to be done about

@@ -5,7 +5,7 @@ use core::ffi::c_ulong;
 /// Counters of a host session since it began; they wrap.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
-pub struct HostHealth {
+pub struct Health {
     /// Moves sent, each counted once.
     pub moves: c_ulong,
     /// Moves sent again.
@@ -26,7 +26,7 @@ pub struct HostHealth {
     pub sessions: c_ulong,
 }
 
-impl HostHealth {
+impl Health {
     /// Nothing counted yet.
     #[must_use]
     pub const fn new() -> Self {

@@ -9,7 +9,7 @@ use crate::gx::{Format, NUMBER_MAX};
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
-pub struct HostSettings {
+pub struct Settings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: c_ulong,
     /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
@@ -30,7 +30,7 @@ pub struct HostSettings {
     pub first_number: c_int,
 }
 
-impl HostSettings {
+impl Settings {
     /// All of them at their defaults.
     #[must_use]
     pub const fn new() -> Self {
@@ -87,12 +87,12 @@ impl HostSettings {
 
 #[cfg(test)]
 mod tests {
-    use super::{Format, GX_WINDOW_MAX, HostSettings};
+    use super::{Format, GX_WINDOW_MAX, Settings};
     use core::ffi::{c_int, c_ulong};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut it = HostSettings::new();
+        let mut it = Settings::new();
         assert_eq!((it.answer(), it.probe(), it.patience(), it.gap()), (250, 1000, 120_000, 50));
         assert_eq!((it.attempts(), it.window(), it.format(), it.first_number()), (8, GX_WINDOW_MAX, Format::Binary, 0));
         (it.answer_ms, it.attempts, it.window, it.ascii, it.first_number) = (c_ulong::MAX, 1000, 1, 2, 16384);

@@ -7,7 +7,7 @@ use crate::gx::Number;
 
 /// Something that happened at the motion side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MotionEvent {
+pub enum Event {
     /// A move was queued.
     Queued(Option<Number>),
     /// A move that was queued before came again. Nothing is to be done.
@@ -41,29 +41,29 @@ impl Untold {
         self.kind == 0
     }
 
-    pub(super) fn put(&mut self, event: MotionEvent) {
+    pub(super) fn put(&mut self, event: Event) {
         let (kind, number, code) = match event {
-            MotionEvent::Queued(number) => (1, number, 0),
-            MotionEvent::Repeated(number) => (2, number, 0),
-            MotionEvent::Refused(number, code) => (3, number, code),
-            MotionEvent::Begun(number) => (4, number, 0),
-            MotionEvent::Reporting(_) => (5, None, 0),
+            Event::Queued(number) => (1, number, 0),
+            Event::Repeated(number) => (2, number, 0),
+            Event::Refused(number, code) => (3, number, code),
+            Event::Begun(number) => (4, number, 0),
+            Event::Reporting(_) => (5, None, 0),
         };
         (self.value, self.numbered) = pack(number);
-        if let MotionEvent::Reporting(period) = event {
+        if let Event::Reporting(period) = event {
             self.value = period;
         }
         (self.kind, self.code) = (kind, code);
     }
 
-    pub(super) fn take(&mut self) -> Option<MotionEvent> {
+    pub(super) fn take(&mut self) -> Option<Event> {
         let number = unpack(self.value, self.numbered);
         let event = match self.kind {
-            1 => MotionEvent::Queued(number),
-            2 => MotionEvent::Repeated(number),
-            3 => MotionEvent::Refused(number, self.code),
-            4 => MotionEvent::Begun(number),
-            5 => MotionEvent::Reporting(self.value),
+            1 => Event::Queued(number),
+            2 => Event::Repeated(number),
+            3 => Event::Refused(number, self.code),
+            4 => Event::Begun(number),
+            5 => Event::Reporting(self.value),
             _ => {
                 self.kind = 0;
                 return None;

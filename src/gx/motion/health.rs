@@ -5,7 +5,7 @@ use core::ffi::c_ulong;
 /// Counters of a motion side since it began; they wrap.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
-pub struct MotionHealth {
+pub struct Health {
     /// Moves queued.
     pub moves: c_ulong,
     /// Moves that were queued before and came again: not carried out twice.
@@ -18,7 +18,7 @@ pub struct MotionHealth {
     pub reports: c_ulong,
 }
 
-impl MotionHealth {
+impl Health {
     /// Nothing counted yet.
     #[must_use]
     pub const fn new() -> Self {

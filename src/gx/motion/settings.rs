@@ -8,7 +8,7 @@ use crate::gx::MASK_AXES;
 /// Settings of a motion side. 0 stands for the default everywhere.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
-pub struct MotionSettings {
+pub struct Settings {
     /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
     /// default 1000, as somebody may be typing.
     pub gap_ms: c_ulong,
@@ -22,7 +22,7 @@ pub struct MotionSettings {
     pub only_in_order: c_int,
 }
 
-impl MotionSettings {
+impl Settings {
     /// All of them at their defaults.
     #[must_use]
     pub const fn new() -> Self {
@@ -44,11 +44,11 @@ impl MotionSettings {
 
 #[cfg(test)]
 mod tests {
-    use super::MotionSettings;
+    use super::Settings;
 
     #[test]
     fn zero_is_the_default() {
-        let mut settings = MotionSettings::new();
+        let mut settings = Settings::new();
         assert_eq!((settings.gap(), settings.axes()), (1000, 0x3F));
         (settings.gap_ms, settings.axes) = (20, 0x43);
         assert_eq!((settings.gap(), settings.axes()), (20, 3));

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use deltarobot::gx::motion::{Motion, MotionSettings, STOPPED};
+use deltarobot::gx::motion::{Motion, STOPPED, Settings};
 use deltarobot::gx::{AXES, ENCODED_MAX, POSITION_MAX, Vector};
 
 use super::{Machine, above_zero, milliseconds};
@@ -47,10 +47,10 @@ pub(super) struct Axes {
 
 impl Axes {
     pub(super) fn new(options: &AxesOptions) -> Self {
-        let settings = MotionSettings {
+        let settings = Settings {
             axes: (1 << options.axes.unwrap_or(6)) - 1,
             only_in_order: options.only_in_order.into(),
-            ..MotionSettings::new()
+            ..Settings::new()
         };
         let mut axes = Self { motion: Motion::new(settings), machine: Moving::new(options) };
         axes.motion.set_position(&axes.machine.position());
