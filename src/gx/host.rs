@@ -44,6 +44,8 @@
 
 mod event;
 mod health;
+mod incoming;
+mod opening;
 mod output;
 mod settings;
 mod timers;
@@ -51,8 +53,7 @@ mod window;
 
 use core::ffi::{c_uchar, c_ulong, c_ushort};
 
-use super::motion::{AXIS, CLOSED, CODE_FREE, STOPPED, STRIDE, copy};
-use super::{Fault, Item, Message, NUMBER_MAX, NoticeReceiver, Vector};
+use super::{Item, Message, NoticeReceiver, Vector};
 use crate::clock::stamp;
 use crate::counter::count;
 pub use event::{Event, Outcome};
@@ -90,7 +91,7 @@ pub struct Host {
     /// Its code, and whether it has a number.
     error_code: c_uchar,
     error_numbered: c_uchar,
-    /// One of the stages below.
+    /// One of the stages below, or of those in which a session is begun.
     stage: c_uchar,
     /// What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
     send: c_uchar,
@@ -109,14 +110,11 @@ pub struct Host {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full;
 
-/// No session.
+/// No session. (Anything that is none of the others is that too.)
 const IDLE: c_uchar = 0;
-/// The first, the second answer is waited for.
-const FIRST: c_uchar = 1;
-const SECOND: c_uchar = 2;
-const OPEN: c_uchar = 3;
+const OPEN: c_uchar = 1;
 /// Something was refused: what was accepted before is waited for.
-const DRAINING: c_uchar = 4;
+const DRAINING: c_uchar = 2;
 
 const SEND_OPENING: c_uchar = 1;
 const SEND_REPORTING: c_uchar = 2;
@@ -134,11 +132,6 @@ const IS_REPORTING: c_uchar = 8;
 const IS_USED: c_uchar = 16;
 /// Moves were sent again because of an error in this session.
 const IS_WARY: c_uchar = 32;
-/// The number of the first of the requests that begin a session came, and no other since, after the second was sent.
-const IS_ECHOED: c_uchar = 64;
-
-const BUSY: u8 = Fault::Busy as u8;
-const LIMIT: u8 = Fault::Limit as u8;
 
 impl Host {
     /// A session that has just begun.
@@ -225,7 +218,7 @@ impl Host {
             let taken = self.receiver.receive(rest, &mut item);
             let (read, unread) = rest.split_at_checked(taken).unwrap_or((rest, &[]));
             rest = unread;
-            if item.message() == Some(Message::Completed) && is_torn(read, unread) {
+            if item.message() == Some(Message::Completed) && incoming::is_torn(read, unread) {
                 count(&mut self.health.malformed);
             } else if self.look_at(&item, now).is_none() && taken == 0 {
                 break;
@@ -268,146 +261,4 @@ impl Host {
             }
         }
     }
-
-    /// Deals with what was received, if anything.
-    fn look_at(&mut self, item: &Item, now: u32) -> Option<()> {
-        let number = item.number().map(|number| number.value);
-        match item.message()? {
-            Message::Completed => self.completed(number.unwrap_or_default(), now),
-            Message::Refused(code) => {
-                count(&mut self.health.errors);
-                self.error_code = code;
-                self.error_numbered = c_uchar::from(number.is_some());
-                self.error_number = number.unwrap_or_default();
-                self.tell |= TELL_ERROR;
-                if matches!(self.stage, OPEN | DRAINING) {
-                    self.refused(number, code, now);
-                }
-            }
-            Message::Position(position) => {
-                count(&mut self.health.reports);
-                copy(&mut self.position, position);
-                self.tell |= TELL_REPORT;
-                self.unanswered = 0;
-                self.reported(now);
-            }
-            Message::Malformed(_) => count(&mut self.health.malformed),
-            _ => (),
-        }
-        Some(())
-    }
-
-    fn completed(&mut self, number: u16, now: u32) {
-        count(&mut self.health.completions);
-        match self.stage {
-            FIRST if number == self.opening => {
-                self.stage = SECOND;
-                self.open_with(number.wrapping_add(STRIDE));
-            }
-            SECOND if number == self.opening.wrapping_sub(STRIDE) & NUMBER_MAX => self.is |= IS_ECHOED,
-            SECOND if number == self.opening && self.is & IS_ECHOED == 0 => {
-                self.doubts = self.doubts.saturating_add(1);
-                if self.settings.allows(self.doubts) {
-                    self.begin();
-                } else {
-                    self.never_begins();
-                }
-            }
-            SECOND if number == self.opening => {
-                self.stage = OPEN;
-                self.window.begin(number);
-                (self.cursor, self.unanswered) = (0, 0);
-                self.is &= !(IS_BACK | IS_HELD | IS_WARY);
-                self.send &= !SEND_PROBE;
-                self.tell |= TELL_BEGUN;
-                count(&mut self.health.sessions);
-            }
-            OPEN | DRAINING => match (self.window.find(number), self.window.oldest()) {
-                (Some(index), Some(oldest)) if oldest <= index => {
-                    self.window.end(oldest, index.wrapping_add(1), Outcome::Finished, 0);
-                    self.progressed(now);
-                }
-                _ => count(&mut self.health.strays),
-            },
-            _ => {
-                self.is &= !IS_ECHOED;
-                count(&mut self.health.strays);
-            }
-        }
-    }
-
-    fn progressed(&mut self, now: u32) {
-        self.progressed_at = stamp(now);
-        self.unanswered = 0;
-        self.is &= !IS_HELD;
-    }
-
-    fn refused(&mut self, number: Option<u16>, code: u8, now: u32) {
-        let Some(number) = number else {
-            self.is |= IS_BACK;
-            return;
-        };
-        let (Some(index), Some(oldest)) = (self.window.find(number), self.window.oldest()) else {
-            count(&mut self.health.strays);
-            return;
-        };
-        if index < oldest {
-            count(&mut self.health.strays);
-            return;
-        }
-        match code {
-            BUSY => {
-                // It has taken those before, so it is there.
-                self.unanswered = 0;
-                self.cursor = index;
-                self.held_at = stamp(now);
-                self.is |= IS_HELD;
-            }
-            CLOSED => self.end_session(Outcome::Lost, code),
-            STOPPED | CODE_FREE.. => {
-                self.window.end(oldest, index, Outcome::Finished, 0);
-                self.window.end(index, index.wrapping_add(1), Outcome::Failed, code);
-                self.end_session(Outcome::Dropped, code);
-            }
-            AXIS => self.refuse(index, code),
-            LIMIT if self.window.is_absolute(index) => self.refuse(index, code),
-            _ => self.is |= IS_BACK,
-        }
-    }
-
-    fn refuse(&mut self, index: u8, code: u8) {
-        self.window.refuse(index, code);
-        self.cursor = self.cursor.min(self.window.sent());
-        self.stage = DRAINING;
-    }
-
-    /// Nothing more is known of what was sent.
-    fn end_session(&mut self, outcome: Outcome, code: u8) {
-        self.window.end_all(outcome, code);
-        self.stage = IDLE;
-        self.cursor = 0;
-        self.send &= !(SEND_OPENING | SEND_PROBE);
-    }
-
-    fn open_with(&mut self, number: u16) {
-        self.opening = number & NUMBER_MAX;
-        self.unanswered = 0;
-        self.is &= !IS_ECHOED;
-        self.send |= SEND_OPENING;
-    }
-
-    /// A report came.
-    fn reported(&mut self, now: u32) {
-        if self.period != 0 {
-            self.reports_at = stamp(now);
-        } else if self.is & IS_REPORTING != 0 && self.answer_left(now, self.reports_at) == 0 {
-            self.send |= SEND_REPORTING;
-        }
-    }
-}
-
-/// Whether a packed byte stands directly behind a number: then an error notice has lost its `?`, and says anything but
-/// that the move was carried out.
-fn is_torn(read: &[u8], unread: &[u8]) -> bool {
-    !matches!(read, [.., b'\r' | b'\n']) && unread.first().is_some_and(|byte| *byte >= 0x80)
 }

@@ -1,6 +1,6 @@
 //! What goes out: commands, one at a time.
 
-use super::{DRAINING, FIRST, Host, IS_HELD, OPEN, SECOND, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
+use super::{DRAINING, Host, IS_HELD, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
 use crate::counter::count;
 use crate::gx::motion::fitting;
@@ -13,7 +13,7 @@ impl Host {
     /// after [`poll`](Self::poll); `now` is when it leaves.
     pub fn output(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
         // No other command may come between those that begin a session.
-        let begins = matches!(self.stage, FIRST | SECOND) && self.send & SEND_REPORTING != 0;
+        let begins = self.is_opening() && self.send & SEND_REPORTING != 0;
         if begins || self.send & SEND_OPENING != 0 {
             return self.put_opening(room, frame, now);
         }

@@ -2,8 +2,8 @@
 
 use core::ffi::c_ulong;
 
-use super::{DRAINING, FIRST, Host, IDLE, OPEN, Outcome, SECOND, STRIDE};
-use super::{IS_BACK, IS_BUSY, IS_HELD, IS_REPORTING, IS_USED, IS_WARY, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
+use super::{DRAINING, Host, IDLE, OPEN, Outcome};
+use super::{IS_BACK, IS_BUSY, IS_HELD, IS_REPORTING, IS_WARY, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::{left, stamp};
 use crate::counter::count;
 
@@ -26,8 +26,8 @@ impl Host {
     pub(super) fn look_at_the_time(&mut self, now: u32) {
         if self.session_left(now) == Some(0) {
             match self.stage {
-                FIRST | SECOND => self.ask_again(now),
                 OPEN | DRAINING => self.look_after(now),
+                _ if self.is_opening() => self.ask_again(),
                 _ => {
                     self.doubts = 0;
                     self.begin();
@@ -50,7 +50,6 @@ impl Host {
 
     fn session_left(&self, now: u32) -> Option<u32> {
         match self.stage {
-            FIRST | SECOND => (self.send & SEND_OPENING == 0).then(|| self.answer_left(now, self.asked_at)),
             OPEN | DRAINING if self.window.oldest().is_some() => {
                 let patience = left(now, self.progressed_at, self.settings.patience());
                 let due = [self.back_left(now), self.hold_left(now), self.probe_left(now)];
@@ -58,6 +57,7 @@ impl Host {
             }
             OPEN => None,
             DRAINING => Some(0),
+            _ if self.is_opening() => (self.send & SEND_OPENING == 0).then(|| self.answer_left(now, self.asked_at)),
             _ => self.window.waits().then_some(0),
         }
     }
@@ -78,32 +78,6 @@ impl Host {
             let span = self.settings.probe();
             left(now, self.asked_at, span).max(left(now, self.progressed_at, span))
         })
-    }
-
-    /// Asks for a session, with a number that was not used lately.
-    pub(super) fn begin(&mut self) {
-        let number = match self.is & IS_USED {
-            0 => self.settings.first_number(),
-            _ => self.opening.wrapping_add(STRIDE),
-        };
-        self.is |= IS_USED;
-        self.stage = FIRST;
-        self.open_with(number);
-    }
-
-    fn ask_again(&mut self, now: u32) {
-        if self.gives_up() {
-            self.never_begins();
-            return;
-        }
-        self.asked_at = stamp(now);
-        self.send |= SEND_OPENING;
-    }
-
-    /// No session can be had.
-    pub(super) fn never_begins(&mut self) {
-        self.window.end(0, self.window.len(), Outcome::TimedOut, 0);
-        self.end_session(Outcome::TimedOut, 0);
     }
 
     fn look_after(&mut self, now: u32) {
@@ -141,7 +115,7 @@ impl Host {
     }
 
     /// Something has no answer: counts that, and tells whether it was asked for often enough.
-    fn gives_up(&mut self) -> bool {
+    pub(super) fn gives_up(&mut self) -> bool {
         count(&mut self.health.timeouts);
         self.unanswered = self.unanswered.saturating_add(1);
         !self.settings.allows(self.unanswered)
