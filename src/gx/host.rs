@@ -10,7 +10,9 @@
 //! the other, not for both, so when the second has come, no older notice can come any more. A motion side that has had
 //! both keeps numbers in order from there on, and says so: before the second number it sends the first one back again.
 //! If that does not come, the request before may have got lost, and all begins anew with other numbers. Else the motion
-//! side expects the next number, and from here on the moves are numbered.
+//! side expects the next number, and from here on the moves are numbered. (Where the first request was sent more than
+//! once, a late answer to it could pass for that. Then the second is sent again behind its answer, and what comes behind
+//! that counts.)
 //!
 //! # A move
 //!
@@ -37,8 +39,8 @@
 //! dropped was not. There are two exceptions:
 //!
 //! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
-//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it
-//!   takes moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
+//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it takes
+//!   moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
 //! - Notices and commands that are forged. There are no checksums: where bits flip, or a mask, an ASCII digit or
 //!   several bytes in a row are lost, another number or position may come of it, which nobody can tell from a true one.
 
@@ -132,6 +134,8 @@ const IS_REPORTING: c_uchar = 8;
 const IS_USED: c_uchar = 16;
 /// Moves were sent again because of an error in this session.
 const IS_WARY: c_uchar = 32;
+/// The request that begins a session was sent more than once.
+const IS_REPEATED: c_uchar = 64;
 
 impl Host {
     /// A session that has just begun.

@@ -32,7 +32,9 @@ impl Host {
                 count(&mut self.health.reports);
                 copy(&mut self.position, position);
                 self.tell |= TELL_REPORT;
-                self.unanswered = 0;
+                if !self.is_opening() {
+                    self.unanswered = 0;
+                }
                 self.reported(now);
             }
             Message::Malformed(_) => count(&mut self.health.malformed),

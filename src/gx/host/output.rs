@@ -1,6 +1,6 @@
 //! What goes out: commands, one at a time.
 
-use super::{DRAINING, Host, IS_HELD, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
+use super::{DRAINING, Host, IS_HELD, IS_REPEATED, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
 use crate::counter::count;
 use crate::gx::motion::fitting;
@@ -35,6 +35,8 @@ impl Host {
         if length != 0 {
             if self.send & SEND_OPENING != 0 {
                 self.asked_at = stamp(now);
+            } else {
+                self.is |= IS_REPEATED;
             }
             self.send &= !(SEND_OPENING | SEND_REPORTING);
             self.reports_at = stamp(now);
