@@ -136,6 +136,8 @@ const IS_USED: c_uchar = 16;
 const IS_WARY: c_uchar = 32;
 /// The request that begins a session was sent more than once.
 const IS_REPEATED: c_uchar = 64;
+/// Not all bytes were taken, so that it is too early to look at the time.
+const IS_PARTIAL: c_uchar = 128;
 
 impl Host {
     /// A session that has just begun.
@@ -233,6 +235,10 @@ impl Host {
             self.arrived_at = stamp(now);
             self.is |= IS_BUSY;
         }
+        self.is &= !IS_PARTIAL;
+        if !rest.is_empty() {
+            self.is |= IS_PARTIAL;
+        }
         taken
     }
 
@@ -244,8 +250,8 @@ impl Host {
             self.receiver.idle(&mut item);
             self.look_at(&item, now);
         }
-        if self.tell == 0 {
-            // What was received already may end what would time out.
+        // What was received already may end what would time out.
+        if self.tell == 0 && self.is & IS_PARTIAL == 0 {
             self.look_at_the_time(now);
         }
         // The lowest bit.
@@ -259,10 +265,41 @@ impl Host {
                 Some(Event::Error(self.error_code, number))
             }
             _ => {
-                let (outcome, code) = self.window.take_ended()?;
+                let Some((outcome, code)) = self.window.take_ended() else {
+                    self.is &= !IS_PARTIAL;
+                    return None;
+                };
                 self.cursor = self.cursor.saturating_sub(1);
                 Some(Event::Ended(outcome, code))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Event, Host, Outcome, Settings};
+    use crate::gx::ENCODED_MAX;
+
+    /// The host was busy elsewhere until the move's time was over, and its end lies behind a report.
+    #[test]
+    fn time_is_not_over_while_bytes_are_left() {
+        let mut host = Host::new(Settings { move_ms: 500, ..Settings::new() });
+        for _ in 0..2 {
+            assert_eq!(host.go(&[1; 6], 1, None), Ok(()));
+        }
+        for answer in [&b""[..], b"#0\n", b"#0\n#5461\n"] {
+            host.receive(answer, 0);
+            while host.poll(0).is_some() {}
+            while host.output(ENCODED_MAX, &mut [0; ENCODED_MAX], 0) != 0 {}
+        }
+        let (first, last) = (&b"#5462\n=x1\n"[..], &b"#5463\n"[..]);
+        assert_eq!(host.receive(&[first, last].concat(), 600), first.len());
+        assert!(matches!(host.poll(1200), Some(Event::Report(_))));
+        assert_eq!(host.poll(1200), Some(Event::Ended(Outcome::Finished, 0)));
+        assert_eq!(host.poll(1200), None);
+        assert_eq!(host.receive(last, 1200), last.len());
+        assert_eq!(host.poll(1200), Some(Event::Ended(Outcome::Finished, 0)));
+        assert_eq!(host.poll(1200), None);
     }
 }
