@@ -302,7 +302,7 @@ struct gx_host {
   unsigned char error_code;
   unsigned char error_numbered;
   /**
-   * One of the stages below.
+   * One of the stages below, or of those in which a session is begun.
    */
   unsigned char stage;
   /**

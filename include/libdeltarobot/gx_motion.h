@@ -430,8 +430,8 @@ GX_SIZED("gx_motion_done");
 
 /**
  * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
- * the host is told. One that had begun a session has to begin a new one. Where the machine is has to be told by
- * `gx_motion_set_position` before moves by deltas are taken.
+ * the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
+ * one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken.
  *
  * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
  *

@@ -201,8 +201,8 @@ impl Motion {
         self.queue.unfinished()
     }
 
-    /// The machine has stopped and will not go on: drops all moves. The oldest of them is told with this code, a
-    /// session is over (moves are refused until another begins), and where the machine is has to be
+    /// The machine has stopped and will not go on: drops all moves. The oldest of them that has a number is told with
+    /// this code, a session is over (moves are refused until another begins), and where the machine is has to be
     /// [told](Self::set_position) before it is moved by deltas again.
     pub fn stop(&mut self, code: u8) {
         if let Some(number) = self.queue.oldest() {
@@ -379,4 +379,36 @@ impl Motion {
 /// The length of what was written, if it fits the room.
 pub(crate) fn fitting<E>(length: Result<usize, E>, room: usize) -> usize {
     length.ok().filter(|length| *length <= room).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ENCODED_MAX, Motion, STOPPED, Settings};
+    use std::vec::Vec;
+
+    fn says(motion: &mut Motion, received: &[u8]) -> Vec<u8> {
+        let mut rest = received;
+        while !rest.is_empty() {
+            rest = &rest[motion.receive(rest, 0)..];
+            while motion.poll(0).is_some() {}
+        }
+        let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
+        loop {
+            match motion.output(ENCODED_MAX, &mut frame, 0) {
+                0 => return said,
+                length => said.extend(&frame[..length]),
+            }
+        }
+    }
+
+    /// A host that began anew while the machine still carried out moves of its last session, or of nobody's.
+    #[test]
+    fn a_stop_is_told_to_who_waits_for_a_later_move() {
+        let mut motion = Motion::new(Settings::new());
+        assert_eq!(says(&mut motion, b"#7x100\nx200\n#0R0\n#5461R0\n#5462x300\n#5463x400\n"), b"#0\n#5461\n");
+        assert!(motion.next().is_some());
+        motion.stop(STOPPED);
+        assert_eq!(says(&mut motion, b""), b"#5462?20\n");
+        assert_eq!(says(&mut motion, b"#5464x500\n"), b"#5464?17\n");
+    }
 }

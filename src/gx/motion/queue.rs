@@ -87,7 +87,7 @@ impl Queue {
         }
         let index = self.begun;
         self.begun = index.wrapping_add(1);
-        self.at(index).map(|queued| (&queued.target, unpack(queued.number, queued.numbered)))
+        self.at(index).map(|queued| (&queued.target, queued.number()))
     }
 
     /// The oldest move that was taken has ended; `false` when there is none.
@@ -102,8 +102,7 @@ impl Queue {
 
     /// The number of the oldest move that has ended, to be told.
     pub(super) fn ended(&self) -> Option<Number> {
-        let first = self.at(0).filter(|_| self.done > 0 && self.count > 0)?;
-        unpack(first.number, first.numbered)
+        self.at(0).filter(|_| self.done > 0 && self.count > 0)?.number()
     }
 
     /// That was told.
@@ -112,10 +111,9 @@ impl Queue {
         self.tidy();
     }
 
-    /// The number of the oldest move that has not ended, if its host waits for it.
+    /// The number of the oldest move that has not ended and whose host waits for it.
     pub(super) fn oldest(&self) -> Option<Number> {
-        let oldest = self.at(self.done).filter(|_| self.done < self.count)?;
-        unpack(oldest.number, oldest.numbered)
+        (self.done..self.count).find_map(|index| self.at(index).and_then(Queued::number))
     }
 
     /// No ends are told any more of the moves that are queued by now.
@@ -171,6 +169,11 @@ impl Queue {
 }
 
 impl Queued {
+    /// The number that its host waits for.
+    const fn number(&self) -> Option<Number> {
+        unpack(self.number, self.numbered)
+    }
+
     const fn moves(&self) -> bool {
         self.target.mask & MASK_AXES != 0
     }
