@@ -299,7 +299,7 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
         return GX_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |room, frame| host.output(room, frame, time(now_ms))) };
+    let written = unsafe { fill(buf, cap, |room, frame| host.output(frame, room, time(now_ms))) };
     written.unwrap_or(GX_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);

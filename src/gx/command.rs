@@ -108,6 +108,15 @@ impl Vector {
         self.mask |= MASK_VELOCITY;
     }
 
+    /// Makes it another's copy. Field by field, which never becomes a call of memcpy.
+    pub(crate) fn copy(&mut self, from: &Self) {
+        self.velocity = from.velocity;
+        self.mask = from.mask;
+        for (place, value) in self.axes.iter_mut().zip(&from.axes) {
+            *place = *value;
+        }
+    }
+
     /// Takes a position, whose mask tells the known axes, along where a command leads: [`Message::Move`] and
     /// [`Message::Position`] tell where that is, [`Message::Step`] how far. The velocity goes with it. Other messages
     /// lead nowhere.

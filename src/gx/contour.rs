@@ -36,11 +36,7 @@ impl Contour {
 
     /// Where the machine is, and how fast it was told to move, as far as the mask says so.
     pub fn starts_at(&mut self, start: &Vector) {
-        self.at.mask = start.mask;
-        self.at.velocity = start.velocity;
-        for (place, value) in self.at.axes.iter_mut().zip(&start.axes) {
-            *place = *value;
-        }
+        self.at.copy(start);
     }
 
     /// What is known of position and velocity no longer holds: after an error notice, the next command is a long one.

@@ -219,6 +219,11 @@ pub(super) fn check(vector: &Vector, is_step: bool) -> Result<(), EncodeError> {
     if vector.mask == 0 { Err(EncodeError::Empty) } else { Ok(()) }
 }
 
+/// The length of what was written, if it fits so many bytes; else 0.
+pub(super) fn fitting(written: Result<usize, EncodeError>, room: usize) -> usize {
+    written.ok().filter(|length| *length <= room).unwrap_or_default()
+}
+
 const fn in_range(fits: bool) -> Result<(), EncodeError> {
     if fits { Ok(()) } else { Err(EncodeError::Range) }
 }

@@ -291,7 +291,7 @@ mod tests {
         for answer in [&b""[..], b"#0\n", b"#0\n#5461\n"] {
             host.receive(answer, 0);
             while host.poll(0).is_some() {}
-            while host.output(ENCODED_MAX, &mut [0; ENCODED_MAX], 0) != 0 {}
+            while host.output(&mut [0; ENCODED_MAX], ENCODED_MAX, 0) != 0 {}
         }
         let (first, last) = (&b"#5462\n=x1\n"[..], &b"#5463\n"[..]);
         assert_eq!(host.receive(&[first, last].concat(), 600), first.len());

@@ -30,6 +30,7 @@ mod whole;
 pub use command::{AXES, Fault, Format, Item, Lost, MASK_AXES, MASK_VELOCITY, Message, Number, NumberField, Vector};
 pub(crate) use command::{COMPLETED, MALFORMED, MOVE, POSITION, REFUSED, REPORTING, STEP};
 pub use contour::Contour;
+use encoder::fitting;
 pub use encoder::{
     ENCODED_MAX, EncodeError, write_completed, write_move, write_position, write_refused, write_reporting,
     write_shortest, write_step,

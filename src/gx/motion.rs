@@ -47,6 +47,7 @@
 
 mod event;
 mod health;
+mod incoming;
 mod notices;
 mod order;
 mod queue;
@@ -55,10 +56,8 @@ mod settings;
 
 use core::ffi::{c_uchar, c_ulong};
 
-use super::{
-    CommandReceiver, ENCODED_MAX, Fault, Format, Item, MASK_AXES, Message, Number, POSITION_MAX, POSITION_MIN, Vector,
-    write_completed, write_position, write_refused,
-};
+use super::{CommandReceiver, ENCODED_MAX, Item, Number, POSITION_MAX, POSITION_MIN, Vector};
+use super::{fitting, write_completed, write_position, write_refused};
 use crate::clock::{left, stamp};
 use crate::counter::count;
 pub use event::{Event, Untold};
@@ -66,8 +65,6 @@ pub use health::Health;
 pub use notices::{Notice, Notices};
 pub use order::Order;
 pub(super) use order::STRIDE;
-use order::{Opening, Verdict};
-pub(crate) use queue::copy;
 pub use queue::{Queue, Queued};
 pub use reports::Reports;
 pub use settings::Settings;
@@ -227,7 +224,7 @@ impl Motion {
 
     /// Writes the next notice, if it fits in `room` bytes, and returns its length; 0 when there is none. To be called
     /// after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    pub fn output(&mut self, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         if let Some(number) = self.queue.ended() {
             let length = fitting(write_completed(number, frame), room);
             if length != 0 {
@@ -279,106 +276,6 @@ impl Motion {
     fn has_room(&self) -> bool {
         self.untold.is_none() && self.notices.has_room()
     }
-
-    /// Deals with what was received, if anything.
-    fn look_at(&mut self, item: &Item) -> Option<()> {
-        let message = item.message()?;
-        let (number, format) = (item.number(), item.format());
-        match &message {
-            Message::Move(vector) | Message::Step(vector) => self.command(&message, vector.mask, number, format),
-            Message::Reporting(period) => {
-                self.reports.switch(*period, format);
-                self.untold.put(Event::Reporting(*period));
-                match number {
-                    Some(number) => self.asked(number),
-                    None => self.order.forget(),
-                }
-            }
-            Message::Malformed(code) => {
-                count(&mut self.health.malformed);
-                if let Some(number) = number {
-                    // Those behind it are out of order, as it tells itself.
-                    self.order.refuses(number.value);
-                }
-                self.refuse(number, format, *code);
-            }
-            // A receiver of commands tells no others.
-            _ => (),
-        }
-        Some(())
-    }
-
-    /// Reports were asked for, with a number.
-    fn asked(&mut self, number: Number) {
-        let opening = self.order.ask(number.value, self.only_in_order());
-        if opening != Opening::None {
-            self.queue.silence();
-            self.notices.clear();
-            self.untold.put(Event::Begun(Some(number)));
-        }
-        if let Opening::Behind(first) = opening {
-            self.notices.push(Some(Number { value: first, format: number.format }), number.format, 0);
-        }
-        self.notices.push(Some(number), number.format, 0);
-    }
-
-    const fn only_in_order(&self) -> bool {
-        self.settings.only_in_order != 0
-    }
-
-    fn command(&mut self, message: &Message<'_>, named: u8, number: Option<Number>, format: Format) {
-        self.order.forget();
-        let code = match self.order.judge(number.map(|number| number.value), self.only_in_order()) {
-            Verdict::Next => match self.queue_up(message, named, number) {
-                Ok(()) => return,
-                Err(code) => code,
-            },
-            Verdict::Repeat(behind) => {
-                count(&mut self.health.repeats);
-                self.untold.put(Event::Repeated(number));
-                if behind < self.queue.awaited() {
-                    self.reports.one(format);
-                } else if let Some(number) = number {
-                    self.notices.push(Some(number), number.format, 0);
-                }
-                return;
-            }
-            Verdict::Refuse(code) => code,
-        };
-        count(&mut self.health.refused);
-        if number.is_none_or(|number| self.order.refuses(number.value)) {
-            self.refuse(number, format, code);
-        } else {
-            self.untold.put(Event::Refused(number, code));
-        }
-    }
-
-    /// # Errors
-    ///
-    /// The code of the refusal.
-    fn queue_up(&mut self, message: &Message<'_>, named: u8, number: Option<Number>) -> Result<(), u8> {
-        if named & MASK_AXES & !self.settings.axes() != 0 {
-            return Err(AXIS);
-        }
-        if !self.queue.has_room() {
-            return Err(Fault::Busy as u8);
-        }
-        self.queue.push(message, named, number).map_err(|_| Fault::Limit as u8)?;
-        self.order.taken();
-        count(&mut self.health.moves);
-        self.untold.put(Event::Queued(number));
-        Ok(())
-    }
-
-    fn refuse(&mut self, number: Option<Number>, format: Format, code: u8) {
-        self.notices.push(number, format, code);
-        self.untold.put(Event::Refused(number, code));
-    }
-}
-
-/// The length of what was written, if it fits the room.
-pub(crate) fn fitting<E>(length: Result<usize, E>, room: usize) -> usize {
-    length.ok().filter(|length| *length <= room).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -394,7 +291,7 @@ mod tests {
         }
         let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
         loop {
-            match motion.output(ENCODED_MAX, &mut frame, 0) {
+            match motion.output(&mut frame, ENCODED_MAX, 0) {
                 0 => return said,
                 length => said.extend(&frame[..length]),
             }

@@ -6,7 +6,7 @@ use super::event::{Outcome, TELL_ERROR, TELL_REPORT};
 use super::{DRAINING, Host, IDLE, IS_BACK, IS_HELD, IS_REPORTING, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
 use crate::counter::count;
-use crate::gx::motion::{AXIS, CLOSED, CODE_FREE, STOPPED, copy};
+use crate::gx::motion::{AXIS, CLOSED, CODE_FREE, STOPPED};
 use crate::gx::{Fault, Item, Message};
 
 const BUSY: u8 = Fault::Busy as u8;
@@ -30,7 +30,7 @@ impl Host {
             }
             Message::Position(position) => {
                 count(&mut self.health.reports);
-                copy(&mut self.position, position);
+                self.position.copy(position);
                 self.tell |= TELL_REPORT;
                 if !self.is_opening() {
                     self.unanswered = 0;

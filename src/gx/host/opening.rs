@@ -130,7 +130,7 @@ mod tests {
                 host.report(100);
             }
             let mut frame = [0; ENCODED_MAX];
-            let length = host.output(ENCODED_MAX, &mut frame, now);
+            let length = host.output(&mut frame, ENCODED_MAX, now);
             answers.push((now + latency, answer(&frame[..length], now)));
             None
         });
@@ -168,7 +168,7 @@ mod tests {
                 }
                 let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
                 loop {
-                    match motion.output(ENCODED_MAX, &mut frame, now) {
+                    match motion.output(&mut frame, ENCODED_MAX, now) {
                         0 => return said,
                         length => said.extend(&frame[..length]),
                     }

@@ -3,30 +3,30 @@
 use super::{DRAINING, Host, IS_HELD, IS_REPEATED, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
 use crate::counter::count;
-use crate::gx::motion::fitting;
-use crate::gx::{ENCODED_MAX, EncodeError, Format, Number, Vector, write_move, write_reporting, write_shortest};
+use crate::gx::{ENCODED_MAX, EncodeError, Format, Number, Vector};
+use crate::gx::{fitting, write_move, write_reporting, write_shortest};
 
 const ESC: u8 = 0x1B;
 
 impl Host {
     /// Writes the next command, if it fits in `room` bytes, and returns its length; 0 when there is none. To be called
     /// after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    pub fn output(&mut self, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         // No other command may come between those that begin a session.
         let begins = self.is_opening() && self.send & SEND_REPORTING != 0;
         if begins || self.send & SEND_OPENING != 0 {
-            return self.put_opening(room, frame, now);
+            return self.put_opening(frame, room, now);
         }
         if self.send & SEND_REPORTING != 0 {
-            return self.put_reporting(room, frame, now);
+            return self.put_reporting(frame, room, now);
         }
         if let Some(index) = self.to_repeat() {
-            return self.put_again(index, room, frame, now);
+            return self.put_again(index, frame, room, now);
         }
-        if self.may_send() { self.put_next(room, frame, now) } else { 0 }
+        if self.may_send() { self.put_next(frame, room, now) } else { 0 }
     }
 
-    fn put_opening(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    fn put_opening(&mut self, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         let format = self.settings.format();
         let number = Some(Number { value: self.opening, format });
         // ESC ends whatever came of a command before.
@@ -44,7 +44,7 @@ impl Host {
         length
     }
 
-    fn put_reporting(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    fn put_reporting(&mut self, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         // Behind the number of a move whose rest was lost, it would begin a session.
         let length = put_behind(b'\n', frame, |rest| write_reporting(self.settings.format(), None, self.period, rest));
         let length = fitting(length, room);
@@ -55,7 +55,7 @@ impl Host {
         length
     }
 
-    fn put_again(&mut self, index: u8, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    fn put_again(&mut self, index: u8, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         let mut target = Vector::new();
         self.window.command_again(index, &mut target);
         let format = self.settings.format();
@@ -73,7 +73,7 @@ impl Host {
         length
     }
 
-    fn put_next(&mut self, room: usize, frame: &mut [u8; ENCODED_MAX], now: u32) -> usize {
+    fn put_next(&mut self, frame: &mut [u8; ENCODED_MAX], room: usize, now: u32) -> usize {
         let index = self.window.sent();
         let mut target = Vector::new();
         self.window.command(index, &mut target);

@@ -4,7 +4,6 @@ use core::ffi::{c_uchar, c_ushort};
 
 use super::event::Outcome;
 use crate::config::GX_WINDOW_MAX;
-use crate::gx::motion::copy;
 use crate::gx::{MASK_AXES, MASK_VELOCITY, NUMBER_MAX, Vector};
 
 /// A requested move. Its fields are private.
@@ -108,7 +107,7 @@ impl Window {
     /// What a move that is sent for the first time is to be written as: without a velocity that is in force already.
     pub(super) fn command(&self, index: u8, out: &mut Vector) {
         let Some(requested) = self.at(index) else { return };
-        copy(out, &requested.target);
+        out.copy(&requested.target);
         out.mask = requested.named;
         let before = self.before(index);
         if out.mask & MASK_AXES != 0 && out.velocity() == before.velocity() {
@@ -119,7 +118,7 @@ impl Window {
     /// What it is to be written as again: with the velocity, if that is known.
     pub(super) fn command_again(&self, index: u8, out: &mut Vector) {
         let Some(requested) = self.at(index) else { return };
-        copy(out, &requested.target);
+        out.copy(&requested.target);
         out.mask = requested.named | requested.target.mask & MASK_VELOCITY;
     }
 
@@ -148,7 +147,7 @@ impl Window {
     pub(super) fn advance(&mut self) {
         // What it does not name stays where the move before leads to.
         let mut base = Vector::new();
-        copy(&mut base, self.before(self.sent));
+        base.copy(self.before(self.sent));
         let place = self.place(self.sent);
         if let Some(requested) = self.moves.get_mut(place) {
             for (axis, value) in base.axes.iter().enumerate() {
@@ -199,7 +198,7 @@ impl Window {
         if self.sent > 0 {
             let place = self.place(0);
             if let Some(oldest) = self.moves.get(place) {
-                copy(&mut self.base, &oldest.target);
+                self.base.copy(&oldest.target);
             }
             self.first = self.first.wrapping_add(1) & NUMBER_MAX;
             self.sent = self.sent.wrapping_sub(1);

@@ -66,7 +66,7 @@ impl Queue {
         self.last.follow(message)?;
         let place = self.place(self.count);
         if let Some(queued) = self.moves.get_mut(place) {
-            copy(&mut queued.target, &self.last);
+            queued.target.copy(&self.last);
             queued.target.mask &= !MASK_AXES;
             queued.target.mask |= named & MASK_AXES;
             (queued.number, queued.numbered) = pack(number);
@@ -176,14 +176,5 @@ impl Queued {
 
     const fn moves(&self) -> bool {
         self.target.mask & MASK_AXES != 0
-    }
-}
-
-/// Field by field, which never becomes a call of memcpy.
-pub(crate) fn copy(to: &mut Vector, from: &Vector) {
-    to.velocity = from.velocity;
-    to.mask = from.mask;
-    for (to, from) in to.axes.iter_mut().zip(&from.axes) {
-        *to = *from;
     }
 }

@@ -64,7 +64,7 @@ impl Axes {
         while self.motion.poll(now).is_some() {}
         let mut room = [0; ENCODED_MAX];
         loop {
-            match self.motion.output(ENCODED_MAX, &mut room, now) {
+            match self.motion.output(&mut room, ENCODED_MAX, now) {
                 0 => break,
                 length => out.extend_from_slice(room.get(..length).unwrap_or_default()),
             }
