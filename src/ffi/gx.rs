@@ -135,8 +135,8 @@ const _: () = {
 /// Pointers, threads and interrupts: the rules at the head.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_commands_init(commands: *mut CommandReceiver) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { init(commands) }
+    // SAFETY: as the contract of this function asks; zero is a receiver.
+    unsafe { init(commands) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
 }
 
 /// Takes received bytes up to the end of a command, and tells it in item; if none ends there, all of them, and item is
@@ -209,8 +209,8 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut CommandReceiver, item: 
 /// Pointers, threads and interrupts: the rules at the head.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_notices_init(notices: *mut NoticeReceiver) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { init(notices) }
+    // SAFETY: as the contract of this function asks; zero is a receiver.
+    unsafe { init(notices) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
 }
 
 /// Takes received bytes up to the end of a notice, and tells it in item: see `gx_commands_receive`.
@@ -298,16 +298,18 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
     }
 }
 
-/// Sets what a struct of C's consists of to zero.
+/// Makes any memory an object of a type of which all zero is one; `None` where there is no memory.
 ///
 /// # Safety
 ///
-/// out is NULL or points to writable memory of that type.
-unsafe fn init<T>(out: *mut T) -> c_int {
+/// out is NULL or points to writable memory of that type, which nobody else touches while the reference lives.
+pub(super) unsafe fn init<'a, T>(out: *mut T) -> Option<&'a mut T> {
     if out.is_null() {
-        return GX_RC_ERROR_GENERIC;
+        return None;
     }
     // SAFETY: as the contract of this function asks.
-    unsafe { zero(out) };
-    GX_RC_SUCCESS
+    unsafe {
+        zero(out);
+        out.as_mut()
+    }
 }

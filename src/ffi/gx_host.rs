@@ -5,14 +5,13 @@
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
-use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS};
-use super::gx_motion::{small, write_vector};
-use super::memory::{bytes_of, fill, int, long, zero};
+use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
+use super::memory::{bytes_of, fill, int, long};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_WINDOW_MAX;
-use crate::gx::host::{Event, Health, Host, Outcome, Requested, Settings, Window};
-use crate::gx::{AXES, MASK_AXES, PERIOD_MAX, POSITION_MAX, POSITION_MIN, VELOCITY_MAX, Vector};
+use crate::gx::host::{Event, Health, Host, Outcome, QueueError, Requested, Settings, Window};
+use crate::gx::{AXES, MASK_AXES, PERIOD_MAX, Vector};
 
 /// Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
 /// in the order of the requests.
@@ -107,15 +106,12 @@ const _: () = {
 /// cbindgen:postfix=GX_SIZED("gx_host_init")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
-    if host.is_null() {
-        return GX_RC_ERROR_GENERIC;
-    }
     // SAFETY: as the contract of this function asks; zero is a session.
-    unsafe {
-        zero(host);
-        if let Some(settings) = settings.as_ref() {
-            (*host).set(settings);
-        }
+    let (Some(host), settings) = (unsafe { (init(host), settings.as_ref()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    if let Some(settings) = settings {
+        host.set(settings);
     }
     GX_RC_SUCCESS
 }
@@ -148,22 +144,10 @@ pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes:
     let (Some(host), Some(target)) = (unsafe { (host.as_mut(), target.cast::<[i32; AXES]>().as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let velocity = match u16::try_from(velocity) {
-        Ok(velocity) if velocity <= VELOCITY_MAX => Some(velocity),
-        Err(_) if velocity == -1 && axes != 0 => None,
-        _ => return GX_RC_ERROR_GENERIC,
-    };
-    let Some(axes) = u8::try_from(axes).ok().filter(|axes| *axes <= MASK_AXES) else {
-        return GX_RC_ERROR_GENERIC;
-    };
-    for (axis, value) in target.iter().enumerate() {
-        if axes >> axis & 1 == 1 && !(POSITION_MIN..=POSITION_MAX).contains(value) {
-            return GX_RC_ERROR_GENERIC;
-        }
-    }
-    match host.go(target, axes, velocity) {
-        Ok(()) => GX_RC_SUCCESS,
-        Err(_) => GX_RC_BUSY,
+    match vector_of(target, axes, velocity).map(|target| host.move_to(&target)) {
+        Some(Ok(())) => GX_RC_SUCCESS,
+        Some(Err(QueueError::Busy)) => GX_RC_BUSY,
+        Some(Err(QueueError::Range)) | None => GX_RC_ERROR_GENERIC,
     }
 }
 sized_alias!(gx: gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int);
@@ -246,32 +230,10 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let (mut outcome, mut code, mut number) = (0, 0, -1);
-    let kind = match host.poll(time(now_ms)) {
-        None => 0,
-        Some(Event::Ended(how, why)) => {
-            (outcome, code) = (outcome_of(how), why);
-            GX_HOST_ENDED
-        }
-        Some(Event::Report(position)) => {
-            // SAFETY: event is not NULL.
-            unsafe { write_vector(&raw mut (*event).position, position) };
-            GX_HOST_REPORT
-        }
-        Some(Event::Error(why, of)) => {
-            (code, number) = (why, of.map_or(-1, small));
-            GX_HOST_ERROR
-        }
-        Some(Event::Begun) => GX_HOST_BEGUN,
-    };
+    let happened = host.poll(time(now_ms));
     // SAFETY: event is not NULL.
-    unsafe {
-        (*event).kind = kind;
-        (*event).outcome = outcome;
-        (*event).code = code.into();
-        (*event).number = number;
-    }
-    if kind == 0 { GX_RC_NO_EVENT } else { GX_RC_SUCCESS }
+    unsafe { write_event(event, happened.as_ref()) };
+    if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
 sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
 
@@ -366,6 +328,50 @@ pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health 
     }
 }
 sized_alias!(gx: gx_host_get_health(host: *const Host) -> *const Health);
+
+/// What `gx_host_move` was given, if it can be a vector.
+fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<Vector> {
+    let mut vector = Vector::new();
+    for (place, value) in vector.axes.iter_mut().zip(target) {
+        *place = *value;
+    }
+    vector.mask = u8::try_from(axes).ok().filter(|axes| *axes <= MASK_AXES)?;
+    if velocity != -1 {
+        vector.set_velocity(u16::try_from(velocity).ok()?);
+    }
+    Some(vector)
+}
+
+/// # Safety
+///
+/// event points to writable memory of its type.
+unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
+    let (mut outcome, mut code, mut number) = (0, 0, None);
+    let kind = match happened {
+        None => 0,
+        Some(Event::Ended(how, why)) => {
+            (outcome, code) = (outcome_of(*how), *why);
+            GX_HOST_ENDED
+        }
+        Some(Event::Report(position)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe { (*event).position.copy(position) };
+            GX_HOST_REPORT
+        }
+        Some(Event::Error(why, of)) => {
+            (code, number) = (*why, *of);
+            GX_HOST_ERROR
+        }
+        Some(Event::Begun) => GX_HOST_BEGUN,
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*event).kind = kind;
+        (*event).outcome = outcome;
+        (*event).code = code.into();
+        (*event).number = number.map_or(-1, |number| int(number.into()));
+    }
+}
 
 const fn outcome_of(outcome: Outcome) -> c_int {
     match outcome {

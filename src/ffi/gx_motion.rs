@@ -6,8 +6,8 @@ use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::gx::{GX_FAULT_AXIS, GX_FAULT_CLOSED, GX_FAULT_NUMBERLESS, GX_FAULT_ORDER, GX_FAULT_OWN, GX_FAULT_STOPPED};
-use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS};
-use super::memory::{bytes_of, fill, int, long, zero};
+use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
+use super::memory::{bytes_of, fill, int, long};
 use super::sized_alias;
 use crate::clock::time;
 use crate::config::GX_QUEUE_MAX;
@@ -89,15 +89,12 @@ const _: () = {
 /// cbindgen:postfix=GX_SIZED("gx_motion_init")
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
-    if motion.is_null() {
-        return GX_RC_ERROR_GENERIC;
-    }
     // SAFETY: as the contract of this function asks; zero is a motion side.
-    unsafe {
-        zero(motion);
-        if let Some(settings) = settings.as_ref() {
-            (*motion).set(settings);
-        }
+    let (Some(motion), settings) = (unsafe { (init(motion), settings.as_ref()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    if let Some(settings) = settings {
+        motion.set(settings);
     }
     GX_RC_SUCCESS
 }
@@ -165,38 +162,10 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     let Some(motion) = (unsafe { motion.as_mut() }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let (mut number, mut code, mut period) = (None, 0, 0);
-    let kind = match motion.poll(time(now_ms)) {
-        None => 0,
-        Some(Event::Queued(of)) => {
-            number = of;
-            GX_MOTION_QUEUED
-        }
-        Some(Event::Repeated(of)) => {
-            number = of;
-            GX_MOTION_REPEATED
-        }
-        Some(Event::Refused(of, why)) => {
-            (number, code) = (of, why);
-            GX_MOTION_REFUSED
-        }
-        Some(Event::Begun(of)) => {
-            number = of;
-            GX_MOTION_BEGUN
-        }
-        Some(Event::Reporting(every)) => {
-            period = every;
-            GX_MOTION_REPORTING
-        }
-    };
+    let happened = motion.poll(time(now_ms));
     // SAFETY: event is not NULL.
-    unsafe {
-        (*event).kind = kind;
-        (*event).number = number_of(number);
-        (*event).code = code.into();
-        (*event).period = small(period);
-    }
-    if kind == 0 { GX_RC_NO_EVENT } else { GX_RC_SUCCESS }
+    unsafe { write_event(event, happened) };
+    if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
 sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int);
 
@@ -223,18 +192,15 @@ sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mu
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector, number: *mut c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(motion) = (unsafe { motion.as_mut() }).filter(|_| !r#move.is_null()) else {
+    let (Some(motion), Some(room), number) = (unsafe { (motion.as_mut(), r#move.as_mut(), number.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let Some((target, its_number)) = motion.next() else {
         return GX_RC_NO_EVENT;
     };
-    // SAFETY: move is not NULL; number is NULL or as the contract of this function asks.
-    unsafe {
-        write_vector(r#move, target);
-        if let Some(number) = number.as_mut() {
-            *number = number_of(its_number);
-        }
+    room.copy(target);
+    if let Some(number) = number {
+        *number = number_of(its_number);
     }
     GX_RC_SUCCESS
 }
@@ -419,28 +385,27 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const H
 }
 sized_alias!(gx: gx_motion_get_health(motion: *const Motion) -> *const Health);
 
-/// Field by field, which never becomes a call of memcpy.
-///
 /// # Safety
 ///
-/// out points to writable memory of its size and alignment.
-pub(super) unsafe fn write_vector(out: *mut Vector, vector: &Vector) {
+/// event points to writable memory of its type.
+unsafe fn write_event(event: *mut MotionEvent, happened: Option<Event>) {
+    let (kind, number, code, period) = match happened {
+        None => (0, None, 0, 0),
+        Some(Event::Queued(number)) => (GX_MOTION_QUEUED, number, 0, 0),
+        Some(Event::Repeated(number)) => (GX_MOTION_REPEATED, number, 0, 0),
+        Some(Event::Refused(number, code)) => (GX_MOTION_REFUSED, number, code, 0),
+        Some(Event::Begun(number)) => (GX_MOTION_BEGUN, number, 0, 0),
+        Some(Event::Reporting(period)) => (GX_MOTION_REPORTING, None, 0, period),
+    };
     // SAFETY: as the contract of this function asks.
     unsafe {
-        (*out).velocity = vector.velocity;
-        (*out).mask = vector.mask;
-        for (axis, value) in vector.axes.iter().enumerate() {
-            (&raw mut (*out).axes).cast::<i32>().add(axis).write(*value);
-        }
+        (*event).kind = kind;
+        (*event).number = number_of(number);
+        (*event).code = code.into();
+        (*event).period = int(period.into());
     }
 }
 
 fn number_of(number: Option<Number>) -> c_int {
-    number.map_or(-1, |number| small(number.value))
-}
-
-/// A number of 14 bits.
-#[allow(clippy::unnecessary_fallible_conversions, reason = "where an int has 16")]
-pub(super) fn small(value: u16) -> c_int {
-    c_int::try_from(value).unwrap_or(-1)
+    number.map_or(-1, |number| int(number.value.into()))
 }

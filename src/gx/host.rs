@@ -55,6 +55,7 @@ mod window;
 
 use core::ffi::{c_uchar, c_ulong, c_ushort};
 
+use super::encoder::check;
 use super::{Item, Message, NoticeReceiver, Vector};
 use crate::clock::stamp;
 use crate::counter::count;
@@ -108,9 +109,14 @@ pub struct Host {
     doubts: c_uchar,
 }
 
-/// There is no room for another move: ends have to be fetched first.
+/// Why a move was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Full;
+pub enum QueueError {
+    /// As many moves as can be kept have not ended, or their end was not fetched.
+    Busy,
+    /// It names nothing, or something that is out of its range.
+    Range,
+}
 
 /// No session. (Anything that is none of the others is that too.)
 const IDLE: c_uchar = 0;
@@ -182,17 +188,18 @@ impl Host {
         self.settings.first_number = settings.first_number;
     }
 
-    /// Requests a move of the axes in the mask to where they are to be; without a velocity, that of the move before
-    /// holds. Values that are out of range are the caller's to refuse.
+    /// Requests a move behind those requested before. Axes that it does not name stay where they are; without a
+    /// velocity, that of the move before holds.
     ///
     /// # Errors
     ///
-    /// [`Full`] when there is no room.
-    pub fn go(&mut self, axes: &[i32; 6], mask: u8, velocity: Option<u16>) -> Result<(), Full> {
+    /// See [`QueueError`].
+    pub fn move_to(&mut self, target: &Vector) -> Result<(), QueueError> {
+        check(target, false).map_err(|_| QueueError::Range)?;
         if !self.window.has_room() {
-            return Err(Full);
+            return Err(QueueError::Busy);
         }
-        self.window.push(axes, mask, velocity);
+        self.window.push(target);
         Ok(())
     }
 
@@ -279,14 +286,14 @@ impl Host {
 #[cfg(test)]
 mod tests {
     use super::{Event, Host, Outcome, Settings};
-    use crate::gx::ENCODED_MAX;
+    use crate::gx::{ENCODED_MAX, Vector};
 
     /// The host was busy elsewhere until the move's time was over, and its end lies behind a report.
     #[test]
     fn time_is_not_over_while_bytes_are_left() {
         let mut host = Host::new(Settings { move_ms: 500, ..Settings::new() });
         for _ in 0..2 {
-            assert_eq!(host.go(&[1; 6], 1, None), Ok(()));
+            assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         }
         for answer in [&b""[..], b"#0\n", b"#0\n#5461\n"] {
             host.receive(answer, 0);

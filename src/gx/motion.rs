@@ -56,6 +56,7 @@ mod settings;
 
 use core::ffi::{c_uchar, c_ulong};
 
+use super::scanner::ESC;
 use super::{CommandReceiver, ENCODED_MAX, Item, Number, POSITION_MAX, POSITION_MIN, Vector};
 use super::{fitting, write_completed, write_position, write_refused};
 use crate::clock::{left, stamp};
@@ -83,8 +84,6 @@ pub const AXIS: u8 = 19;
 pub const STOPPED: u8 = 20;
 /// The first of the codes that firmware may use as it likes, instead of [`STOPPED`].
 pub const CODE_FREE: u8 = 64;
-
-const ESC: u8 = 0x1B;
 
 /// A motion side. Its fields are private; all zero is a new one with default settings.
 #[derive(Clone, Debug)]

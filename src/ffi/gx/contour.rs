@@ -22,8 +22,9 @@ use crate::gx::{AXES, Contour, NumberField, Vector};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a path of no axis.
-    unsafe {
-        if init(contour) == GX_RC_SUCCESS && (*contour).set_axes(mask) { GX_RC_SUCCESS } else { GX_RC_ERROR_GENERIC }
+    match unsafe { init(contour) }.map(|contour| contour.set_axes(mask)) {
+        Some(true) => GX_RC_SUCCESS,
+        _ => GX_RC_ERROR_GENERIC,
     }
 }
 

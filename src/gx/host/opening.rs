@@ -105,7 +105,7 @@ impl Host {
 mod tests {
     use crate::gx::host::{Event, Host, Outcome, Settings};
     use crate::gx::motion::{self, Motion};
-    use crate::gx::{CommandReceiver, ENCODED_MAX, Item, write_completed};
+    use crate::gx::{CommandReceiver, ENCODED_MAX, Item, Vector, write_completed};
     use std::vec::Vec;
 
     /// How a move ends whose commands are answered like this, so many milliseconds late; and whether it was sent.
@@ -115,7 +115,7 @@ mod tests {
         mut answer: impl FnMut(&[u8], u32) -> Vec<u8>,
     ) -> (Option<Outcome>, bool) {
         let mut host = Host::new(Settings::new());
-        assert!(host.go(&[1; 6], 1, None).is_ok());
+        assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         let mut answers: Vec<(u32, Vec<u8>)> = Vec::new();
         let end = (0..100_000).step_by(10).find_map(|now| {
             while answers.first().is_some_and(|(at, _)| *at <= now) {

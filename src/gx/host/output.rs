@@ -3,10 +3,9 @@
 use super::{DRAINING, Host, IS_HELD, IS_REPEATED, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
 use crate::clock::stamp;
 use crate::counter::count;
+use crate::gx::scanner::ESC;
 use crate::gx::{ENCODED_MAX, EncodeError, Format, Number, Vector};
 use crate::gx::{fitting, write_move, write_reporting, write_shortest};
-
-const ESC: u8 = 0x1B;
 
 impl Host {
     /// Writes the next command, if it fits in `room` bytes, and returns its length; 0 when there is none. To be called

@@ -51,21 +51,12 @@ impl Window {
     }
 
     /// Puts a move behind the others. There has to be room.
-    pub(super) fn push(&mut self, axes: &[i32; 6], named: u8, velocity: Option<u16>) {
+    pub(super) fn push(&mut self, target: &Vector) {
         let place = self.place(self.count);
         if let Some(requested) = self.moves.get_mut(place) {
-            requested.target.mask = 0;
-            (requested.named, requested.absolute) = (named & MASK_AXES, 0);
+            requested.target.copy(target);
+            (requested.named, requested.absolute) = (target.mask, 0);
             (requested.outcome, requested.code) = (0, 0);
-            for (axis, value) in axes.iter().enumerate() {
-                if named >> axis & 1 == 1 {
-                    requested.target.set(axis, *value);
-                }
-            }
-            if let Some(velocity) = velocity {
-                requested.target.set_velocity(velocity);
-                requested.named |= MASK_VELOCITY;
-            }
             self.count = self.count.wrapping_add(1);
         }
     }
