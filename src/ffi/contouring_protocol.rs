@@ -5,13 +5,10 @@
 //!
 //! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
-use core::ffi::{c_int, c_uchar};
+use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
-use crate::gx::{
-    AXES, CommandReceiver, EncodeError, Format, Item, MASK_VELOCITY, Message, POSITION_MAX, POSITION_MIN, Vector,
-    write_move, write_step,
-};
+use crate::gx::{CommandReceiver, EncodeError, Format, Item, MASK_AXES, Message, Vector, write_move, write_step};
 
 /// A value of 7 bits: one byte with the high bit set.
 pub type CPPacked7 = [u8; 1];
@@ -214,25 +211,13 @@ unsafe fn unpack(buffer: *const CPPackedVectorCommandBuffer, command: *mut CPVec
     if bytes.first() != Some(&start) || receiver.receive(bytes, &mut item) != bytes.len() {
         return CPResult_malformed;
     }
-    let Some(Message::Move(packed) | Message::Step(packed)) = item.message() else { return CPResult_malformed };
-
-    // The sums, before anything is changed.
-    let target = |command: &Vector, axis: usize| {
-        let base = if is_step { command.axes.get(axis).copied() } else { Some(0) };
-        let sum = base?.checked_add(packed.axis(axis)?);
-        sum.filter(|sum| (POSITION_MIN..=POSITION_MAX).contains(sum))
+    let Some(message @ (Message::Move(packed) | Message::Step(packed))) = item.message() else {
+        return CPResult_malformed;
     };
-    if (0..AXES).any(|axis| packed.has(axis) && target(command, axis).is_none()) {
-        return CPResult_range;
-    }
-    for axis in 0..AXES {
-        if let (Some(sum), Some(place)) = (target(command, axis), command.axes.get_mut(axis)) {
-            *place = sum;
-        }
-    }
-    if packed.mask & MASK_VELOCITY != 0 {
-        command.velocity = packed.velocity;
-    }
-    command.mask = packed.mask as c_uchar;
-    CPResult_ok
+    // The positions are set: that they are known is what the mask is to say.
+    let before = command.mask;
+    command.mask = MASK_AXES;
+    let followed = command.follow(&message);
+    command.mask = if followed.is_ok() { packed.mask } else { before };
+    if followed.is_ok() { CPResult_ok } else { CPResult_range }
 }

@@ -201,7 +201,7 @@ impl Motion {
     /// this code, a session is over (moves are refused until another begins), and where the machine is has to be
     /// [told](Self::set_position) before it is moved by deltas again.
     pub fn stop(&mut self, code: u8) {
-        if let Some(number) = self.queue.oldest() {
+        if let Some(number) = self.queue.awaited().next() {
             self.notices.push(Some(number), number.format, code);
         }
         self.queue.drop_unfinished();

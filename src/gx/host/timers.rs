@@ -81,31 +81,30 @@ impl Host {
     }
 
     fn look_after(&mut self, now: u32) {
-        if self.window.oldest().is_none() {
+        let Some(oldest) = self.window.oldest() else {
             // Nothing that was accepted is left.
             self.stage = IDLE;
             return;
-        }
+        };
         if self.hold_left(now) == Some(0) {
             self.is &= !IS_HELD;
         }
-        if left(now, self.progressed_at, self.settings.patience()) == 0 {
-            self.end_session(Outcome::TimedOut, 0);
+        let is_over = if left(now, self.progressed_at, self.settings.patience()) == 0 {
+            true
         } else if self.back_left(now) == Some(0) {
             self.is &= !IS_BACK;
             self.is |= IS_WARY;
             self.went_back_at = stamp(now);
-            if self.gives_up() {
-                self.end_session(Outcome::TimedOut, 0);
-            } else {
-                self.cursor = self.window.oldest().unwrap_or_default();
-            }
+            self.cursor = oldest;
+            self.gives_up()
         } else if self.probe_left(now) == Some(0) {
-            if self.gives_up() {
-                self.end_session(Outcome::TimedOut, 0);
-            } else {
-                self.send |= SEND_PROBE;
-            }
+            self.send |= SEND_PROBE;
+            self.gives_up()
+        } else {
+            false
+        };
+        if is_over {
+            self.end_session(Outcome::TimedOut, 0);
         }
     }
 

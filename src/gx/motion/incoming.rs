@@ -62,7 +62,7 @@ impl Motion {
             Verdict::Repeat(behind) => {
                 count(&mut self.health.repeats);
                 self.untold.put(Event::Repeated(number));
-                if behind < self.queue.awaited() {
+                if usize::from(behind) < self.queue.awaited().count() {
                     self.reports.one(format);
                 } else if let Some(number) = number {
                     self.notices.push(Some(number), number.format, 0);

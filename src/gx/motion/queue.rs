@@ -46,15 +46,9 @@ impl Queue {
         self.count.saturating_sub(self.done)
     }
 
-    /// How many of them have numbers that their host waits for.
-    pub(super) fn awaited(&self) -> u16 {
-        let mut awaited = 0_u16;
-        for index in self.done..self.count {
-            if self.at(index).is_some_and(|queued| queued.numbered != 0) {
-                awaited = awaited.wrapping_add(1);
-            }
-        }
-        awaited
+    /// The numbers of those of them whose end a host waits for, the oldest first.
+    pub(super) fn awaited(&self) -> impl Iterator<Item = Number> {
+        (self.done..self.count).filter_map(|index| self.at(index)?.number())
     }
 
     /// Puts a move behind the others. There has to be room.
@@ -109,11 +103,6 @@ impl Queue {
     pub(super) fn told(&mut self) {
         self.drop_first();
         self.tidy();
-    }
-
-    /// The number of the oldest move that has not ended and whose host waits for it.
-    pub(super) fn oldest(&self) -> Option<Number> {
-        (self.done..self.count).find_map(|index| self.at(index).and_then(Queued::number))
     }
 
     /// No ends are told any more of the moves that are queued by now.
