@@ -41,7 +41,8 @@
  * ```
  *
  * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
- * sends them back none begins: moves end as timed out, and are not sent.
+ * sends them back none begins: moves end as timed out, and are not sent. (docs/gx-protocol.md tells how to drive such a
+ * one.)
  *
  * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a
  * move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was

@@ -6,8 +6,7 @@ use core::ffi::{c_int, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::memory::{bytes_of, int, zero};
-use crate::gx as core_;
-use crate::gx::{CommandReceiver, Contour, Fault, Format, Item, Lost, NoticeReceiver, NumberField, Vector};
+use crate::gx::{self, CommandReceiver, Contour, Fault, Format, Item, Lost, NoticeReceiver, NumberField, Vector};
 
 pub mod contour;
 pub mod write;
@@ -107,18 +106,18 @@ const _: () = {
         assert!(offset_of!(Item, format) == 8 && offset_of!(Item, period) == 10 && offset_of!(Item, vector) == 12);
         assert!(size_of::<Item>() == 40 && size_of::<CommandReceiver>() == 40);
     }
-    assert!(GX_ENCODED_MAX as usize == core_::ENCODED_MAX);
-    assert!(GX_VELOCITY_MAX == core_::VELOCITY_MAX as c_int && GX_NUMBER_MAX == core_::NUMBER_MAX as c_int);
-    assert!(GX_PERIOD_MAX == core_::PERIOD_MAX as c_int && GX_DELTA_MAX == core_::DELTA_MAX as c_int);
+    assert!(GX_ENCODED_MAX as usize == gx::ENCODED_MAX);
+    assert!(GX_VELOCITY_MAX == gx::VELOCITY_MAX as c_int && GX_NUMBER_MAX == gx::NUMBER_MAX as c_int);
+    assert!(GX_PERIOD_MAX == gx::PERIOD_MAX as c_int && GX_DELTA_MAX == gx::DELTA_MAX as c_int);
     assert!(GX_BINARY == Format::Binary as c_int && GX_ASCII == Format::Ascii as c_int);
     assert!(GX_FAULT_UNKNOWN == Fault::Unknown as c_int && GX_FAULT_NUMBER == Fault::Number as c_int);
     assert!(GX_FAULT_INTERRUPTED == Fault::Interrupted as c_int && GX_FAULT_SYNTAX == Fault::Syntax as c_int);
     assert!(GX_FAULT_EMPTY == Fault::Empty as c_int && GX_FAULT_REPEATED == Fault::Repeated as c_int);
     assert!(GX_FAULT_RANGE == Fault::Range as c_int && GX_FAULT_LIMIT == Fault::Limit as c_int);
     assert!(GX_FAULT_BUSY == Fault::Busy as c_int);
-    assert!(GX_MOVE == core_::MOVE && GX_STEP == core_::STEP && GX_REPORTING == core_::REPORTING);
-    assert!(GX_MALFORMED == core_::MALFORMED && GX_COMPLETED == core_::COMPLETED);
-    assert!(GX_REFUSED == core_::REFUSED && GX_POSITION == core_::POSITION);
+    assert!(GX_MOVE == gx::MOVE && GX_STEP == gx::STEP && GX_REPORTING == gx::REPORTING);
+    assert!(GX_MALFORMED == gx::MALFORMED && GX_COMPLETED == gx::COMPLETED);
+    assert!(GX_REFUSED == gx::REFUSED && GX_POSITION == gx::POSITION);
 };
 
 /// Makes a receiver of commands of any memory. Zeroed memory is one too.

@@ -201,7 +201,7 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
     // SAFETY: as the contract of this function asks.
     match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
-        _ => GX_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -GX_RC_ERROR_GENERIC,
     }
 }
 sized_alias!(gx: gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
@@ -258,11 +258,11 @@ sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Host
 pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }) else {
-        return GX_RC_ERROR_GENERIC.wrapping_neg();
+        return -GX_RC_ERROR_GENERIC;
     };
     // SAFETY: as the contract of this function asks.
     let written = unsafe { fill(buf, cap, |room, frame| host.output(frame, room, time(now_ms))) };
-    written.unwrap_or(GX_RC_ERROR_GENERIC.wrapping_neg())
+    written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
 sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 

@@ -134,7 +134,7 @@ pub unsafe extern "C" fn gx_motion_receive(
     // SAFETY: as the contract of this function asks.
     match unsafe { (motion.as_mut(), bytes_of(buf, bytes)) } {
         (Some(motion), Some(input)) => int(motion.receive(input, time(now_ms))),
-        _ => GX_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -GX_RC_ERROR_GENERIC,
     }
 }
 sized_alias!(gx: gx_motion_receive(motion: *mut Motion, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
@@ -314,11 +314,11 @@ sized_alias!(gx: gx_motion_set_position(motion: *mut Motion, position: *const i3
 pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(motion) = (unsafe { motion.as_mut() }) else {
-        return GX_RC_ERROR_GENERIC.wrapping_neg();
+        return -GX_RC_ERROR_GENERIC;
     };
     // SAFETY: as the contract of this function asks.
     let written = unsafe { fill(buf, cap, |room, frame| motion.output(frame, room, time(now_ms))) };
-    written.unwrap_or(GX_RC_ERROR_GENERIC.wrapping_neg())
+    written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
 sized_alias!(gx: gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 

@@ -4,8 +4,10 @@ use core::ffi::{c_int, c_void};
 
 use super::super::memory::{int, room_of};
 use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE};
-use crate::gx as core_;
 use crate::gx::{EncodeError, Format, Number, NumberField, Vector};
+use crate::gx::{
+    write_completed, write_move, write_position, write_refused, write_reporting, write_shortest, write_step,
+};
 
 /// Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
 /// NULL or its format is 0.
@@ -36,7 +38,7 @@ pub unsafe extern "C" fn gx_write_move(
     unsafe {
         match (format_of(format), target.as_ref()) {
             (Some(format), Some(target)) => {
-                write(number, buf, cap, |number, room| core_::write_move(format, number, target, room))
+                write(number, buf, cap, |number, room| write_move(format, number, target, room))
             }
             _ => -GX_RC_ERROR_GENERIC,
         }
@@ -67,7 +69,7 @@ pub unsafe extern "C" fn gx_write_step(
     // SAFETY: as the contract of this function asks.
     unsafe {
         match deltas.as_ref() {
-            Some(deltas) => write(number, buf, cap, |number, room| core_::write_step(number, deltas, room)),
+            Some(deltas) => write(number, buf, cap, |number, room| write_step(number, deltas, room)),
             None => -GX_RC_ERROR_GENERIC,
         }
     }
@@ -100,7 +102,7 @@ pub unsafe extern "C" fn gx_write_shortest(
     unsafe {
         let from = from.as_ref().unwrap_or(UNKNOWN);
         match target.as_ref() {
-            Some(target) => write(number, buf, cap, |number, room| core_::write_shortest(number, target, from, room)),
+            Some(target) => write(number, buf, cap, |number, room| write_shortest(number, target, from, room)),
             None => -GX_RC_ERROR_GENERIC,
         }
     }
@@ -127,11 +129,11 @@ pub unsafe extern "C" fn gx_write_reporting(
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    let (Some(format), Ok(period)) = (format_of(format), u16::try_from(period)) else {
-        return if format_of(format).is_none() { -GX_RC_ERROR_GENERIC } else { -GX_RC_RANGE };
-    };
+    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
+    // What is none stays out of range.
+    let period = u16::try_from(period).unwrap_or(u16::MAX);
     // SAFETY: as the contract of this function asks.
-    unsafe { write(number, buf, cap, |number, room| core_::write_reporting(format, number, period, room)) }
+    unsafe { write(number, buf, cap, |number, room| write_reporting(format, number, period, room)) }
 }
 
 /// Writes the notice that the command with this number was carried out, in the number's format.
@@ -152,7 +154,7 @@ pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mu
     // SAFETY: as the contract of this function asks.
     unsafe {
         write(number, buf, cap, |number, room| match number {
-            Some(number) => core_::write_completed(number, room),
+            Some(number) => write_completed(number, room),
             None => Err(EncodeError::Empty),
         })
     }
@@ -183,11 +185,11 @@ pub unsafe extern "C" fn gx_write_refused(
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    let (Some(format), Ok(code)) = (format_of(format), u8::try_from(code)) else {
-        return if format_of(format).is_none() { -GX_RC_ERROR_GENERIC } else { -GX_RC_RANGE };
-    };
+    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
+    // What is none stays out of range.
+    let code = u8::try_from(code).unwrap_or(u8::MAX);
     // SAFETY: as the contract of this function asks.
-    unsafe { write(number, buf, cap, |number, room| core_::write_refused(format, number, code, room)) }
+    unsafe { write(number, buf, cap, |number, room| write_refused(format, number, code, room)) }
 }
 
 /// Writes a position report. A position has no velocity: flagged, it does not fit.
@@ -214,7 +216,7 @@ pub unsafe extern "C" fn gx_write_position(
     unsafe {
         match (format_of(format), position.as_ref()) {
             (Some(format), Some(position)) => {
-                write(core::ptr::null(), buf, cap, |_, room| core_::write_position(format, position, room))
+                write(core::ptr::null(), buf, cap, |_, room| write_position(format, position, room))
             }
             _ => -GX_RC_ERROR_GENERIC,
         }
