@@ -31,15 +31,19 @@ impl CommandReceiver {
     /// also if none was taken.
     ///
     /// Each malformed command is one [`Malformed`](super::Message::Malformed), with its number if that was complete.
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     pub fn receive(&mut self, bytes: &[u8], item: &mut Item) -> usize {
         if FAST && self.scanner.state == IDLE {
-            let taken = whole::read_frequent(bytes, item);
-            return if taken == 0 { self.receive_other(bytes, item) } else { taken };
+            match whole::read_frequent(bytes, item) {
+                None => return self.receive_other(bytes, item),
+                Some(0) => (),
+                Some(taken) => return taken,
+            }
         }
         self.scanner.scan::<false>(bytes, item)
     }
 
+    /// Not inlined, which leaves registers to what is frequent.
     #[inline(never)]
     fn receive_other(&mut self, bytes: &[u8], item: &mut Item) -> usize {
         let taken = whole::read_row(bytes, item);

@@ -13,7 +13,7 @@ impl Scanner {
     #[inline(always)]
     pub(super) fn quick<'a, const HOST: bool>(&mut self, bytes: &'a [u8]) -> (&'a [u8], c_int) {
         let (mut rest, mut state) = (bytes, self.state);
-        if !HOST {
+        if !HOST && state < VALUE {
             if state == IDLE
                 && let [b'#', behind @ ..] = rest
             {
