@@ -55,7 +55,7 @@
 //! host.home().unwrap();
 //! let (mut room, mut payload) = ([0; REQUEST_MAX], [0; 32]);
 //! assert_eq!(host.poll(0, &mut payload), None);
-//! let length = host.output(REQUEST_MAX, &mut room, 0);
+//! let length = host.output(&mut room, REQUEST_MAX, 0);
 //! assert_eq!(room[..length], *b"$H\0\xA6:");
 //!
 //! host.receive(b"$A\x01H\xE8:$h\0\xC6:", 5);
@@ -302,7 +302,7 @@ impl Host {
 
     /// Writes the frame of the next request that fits in `room` bytes, and returns its length; 0 when there is none:
     /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, frame: &mut [u8; REQUEST_MAX], now: u32) -> usize {
+    pub fn output(&mut self, frame: &mut [u8; REQUEST_MAX], room: usize, now: u32) -> usize {
         let operation = match Opcode(self.opcode) {
             Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),
             _ => Message::Homing,

@@ -261,7 +261,7 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
         return -GX_RC_ERROR_GENERIC;
     };
     // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |room, frame| host.output(frame, room, time(now_ms))) };
+    let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
     written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
 sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);

@@ -317,7 +317,7 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
         return -GX_RC_ERROR_GENERIC;
     };
     // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |room, frame| motion.output(frame, room, time(now_ms))) };
+    let written = unsafe { fill(buf, cap, |frame, room| motion.output(frame, room, time(now_ms))) };
     written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
 sized_alias!(gx: gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);

@@ -284,7 +284,7 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
         return DP_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |room, frame| host.output(room, frame, time(now_ms))) };
+    let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
     written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);

@@ -12,7 +12,6 @@ use super::line_protocol::{
 use super::memory::{bytes_of, fill, int, long, text_of, zero};
 use super::sized_alias;
 use crate::clock::time;
-use crate::line::COMMAND_MAX;
 use crate::line::host::{Device, Health, Host, Link, QueueError, Settings};
 
 pub mod event;
@@ -253,7 +252,7 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
         return OLP_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |room, line| host.output(room, line, time(now_ms))) };
+    let written = unsafe { fill(buf, cap, |line, room| host.output(line, room, time(now_ms))) };
     written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
 sized_alias!(olp: olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);

@@ -58,8 +58,9 @@ pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut
     }
 }
 
-/// Fills a buffer of C's with as many messages as fit: `next` is told how much room is left, writes one and tells its length, 0
-/// when there is none that fits. Returns how many bytes were written, or `None` where pointer and size stand for nothing.
+/// Fills a buffer of C's with as many messages as fit: `next` writes one, is told how much room is left, and tells the
+/// length, 0 when there is none that fits. Returns how many bytes were written, or `None` where pointer and size stand for
+/// nothing.
 ///
 /// # Safety
 ///
@@ -67,7 +68,7 @@ pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut
 pub(super) unsafe fn fill<const LONGEST: usize>(
     buf: *mut c_void,
     cap: c_int,
-    mut next: impl FnMut(usize, &mut [u8; LONGEST]) -> usize,
+    mut next: impl FnMut(&mut [u8; LONGEST], usize) -> usize,
 ) -> Option<c_int> {
     // SAFETY: as the contract of this function asks.
     let room = unsafe { room_of(buf, cap) }?;
@@ -75,7 +76,7 @@ pub(super) unsafe fn fill<const LONGEST: usize>(
     let mut written = 0_usize;
     loop {
         let left = room.get_mut(written..).unwrap_or_default();
-        let length = next(left.len(), &mut message);
+        let length = next(&mut message, left.len());
         if length == 0 {
             return Some(int(written));
         }

@@ -51,7 +51,7 @@
 //! let mut host = Host::new(Settings::new());
 //! let handle = host.send(b"c=setswitch&state=1", b"9o5qzg").unwrap();
 //! let mut line = [0; 64];
-//! let length = host.output(64, &mut line, 0);
+//! let length = host.output(&mut line, 64, 0);
 //! assert_eq!(line[..length], *b"c=setswitch&state=1&t=0&id=9o5qzg\n");
 //!
 //! host.receive(b"c=setswitch_resp&state=1&pwm=254&id=9o5qzg&t=1\n", 5);
@@ -250,8 +250,8 @@ impl Host {
 
     /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none. To be
     /// called after [`poll`](Self::poll); `now` is when it leaves.
-    pub fn output(&mut self, room: usize, line: &mut [u8; COMMAND_MAX], now: u32) -> usize {
-        self.session.output(room, line, now)
+    pub fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
+        self.session.output(line, room, now)
     }
 
     /// How many milliseconds may pass until [`poll`](Self::poll) or [`output`](Self::output) has something to do
@@ -288,7 +288,7 @@ mod tests {
     fn a_line_came_when_it_was_taken() {
         let mut host = Host::new(Settings::new());
         host.send(b"c=set", b"x").unwrap();
-        host.output(COMMAND_MAX, &mut [0; COMMAND_MAX], 20);
+        host.output(&mut [0; COMMAND_MAX], COMMAND_MAX, 20);
         host.receive(b"c=set_resp&id=x\n", 30);
         assert_eq!(host.receive(b"c=later\n", 90), 0);
         host.poll(100);
@@ -312,7 +312,7 @@ mod tests {
                 }
                 let mut line = [0; COMMAND_MAX];
                 for _ in 0..100 {
-                    match host.output(COMMAND_MAX, &mut line, 0) {
+                    match host.output(&mut line, COMMAND_MAX, 0) {
                         0 => break,
                         length => told.push(String::from_utf8(line[..length].to_vec()).unwrap()),
                     }

@@ -211,7 +211,7 @@ impl Session {
     fn send(&mut self, now: u32) -> Result<(), Failure> {
         let mut frame = [0; REQUEST_MAX];
         loop {
-            match self.host.output(REQUEST_MAX, &mut frame, now) {
+            match self.host.output(&mut frame, REQUEST_MAX, now) {
                 0 => return Ok(()),
                 length => self.device.write(frame.get(..length).unwrap_or_default())?,
             }

@@ -234,9 +234,9 @@ mod tests {
         assert_eq!(host.move_to(TARGET), Ok(()));
         assert_eq!(host.poll(0, &mut [0; 0]), None);
         let mut frame = [0; REQUEST_MAX];
-        assert_eq!((host.output(16, &mut frame, 0), host.output(17, &mut frame, 0)), (0, 17));
+        assert_eq!((host.output(&mut frame, 16, 0), host.output(&mut frame, 17, 0)), (0, 17));
         assert_eq!(frame[..17], *b"$M\x0C\0\0\x80\x3F\0\0\0\x40\0\0\x60\xC0\xD6:");
-        assert_eq!(host.output(17, &mut frame, 0), 0);
+        assert_eq!(host.output(&mut frame, 17, 0), 0);
         assert_eq!(tells(&mut host, Message::Ack(Opcode::MOVE), 1), Some(Event::Accepted(Opcode::MOVE)));
         host
     }

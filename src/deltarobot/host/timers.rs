@@ -154,7 +154,7 @@ mod tests {
             assert_eq!(host.poll(now, &mut [0; 0]), None);
             assert_eq!(host.next_deadline(now), Some(0));
             let mut frame = [0; REQUEST_MAX];
-            assert_eq!(host.output(5, &mut frame, now), 5);
+            assert_eq!(host.output(&mut frame, 5, now), 5);
             assert_eq!(frame[..5], *b"$H\0\xA6:");
             assert_eq!(host.next_deadline(now), Some(100));
         }

@@ -8,7 +8,7 @@ use crate::config::OLP_WINDOW_MAX;
 
 impl Session {
     /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none.
-    pub(super) fn output(&mut self, room: usize, line: &mut [u8; COMMAND_MAX], now: u32) -> usize {
+    pub(super) fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
         let checksum = self.link.checksum != 0;
         // Each command once, until there is one to send.
         for _ in 0..OLP_WINDOW_MAX {
