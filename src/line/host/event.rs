@@ -3,6 +3,7 @@
 use core::ffi::{c_int, c_uchar};
 
 use super::{Link, Listed, Message, Session, Slot};
+use crate::config::OLP_DEVICES_MAX;
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,13 +152,31 @@ impl Session {
     }
 
     fn listed(&self) -> Listed {
-        let index = usize::try_from(self.listed_at).unwrap_or_default();
-        match self.listed {
-            0 => Listed::Whole(index),
-            1 => Listed::Cut(index),
-            2 => Listed::Full,
-            3 => Listed::IdTooLong,
+        // The session's memory may have been overwritten.
+        let index = usize::try_from(self.listed_at).ok().filter(|index| *index < OLP_DEVICES_MAX);
+        match (self.listed, index) {
+            (0, Some(index)) => Listed::Whole(index),
+            (1, Some(index)) => Listed::Cut(index),
+            (2, _) => Listed::Full,
+            (3, _) => Listed::IdTooLong,
             _ => Listed::NoId,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Listed, OLP_DEVICES_MAX, c_int};
+    use crate::line::host::{Host, Settings};
+
+    #[test]
+    fn no_place_is_told_that_there_is_not() {
+        let mut session = Host::new(Settings::new()).session;
+        session.list(Listed::Cut(OLP_DEVICES_MAX - 1));
+        assert_eq!(session.listed(), Listed::Cut(OLP_DEVICES_MAX - 1));
+        for place in [OLP_DEVICES_MAX.try_into().unwrap(), c_int::MAX, c_int::MIN, -1] {
+            session.listed_at = place;
+            assert_eq!(session.listed(), Listed::NoId);
         }
     }
 }
