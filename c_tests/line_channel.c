@@ -1,6 +1,6 @@
 /*
- * Both ends of the line protocol's link over a line that loses, flips, delays, doubles and splits bytes, in simulated
- * time: seeded runs, each of which is one setup of the link, one line quality and a user's random commands.
+ * Both ends of the line protocol's link over the lines of channel.h: each run is one setup of the link, one line
+ * quality and a user's random commands.
  *
  * What has to hold in every run, however bad the line:
  *   - each command ends exactly once, and in bounded time;
@@ -9,19 +9,14 @@
  * And with acks and checksums, or without damage to the lines that arrive at all and with acks or a window of 1:
  *   - answered means carried out once, refused not at all, and nothing else is certain.
  *
- * A damaged line has the right checksum now and then. These are known here: each line that the device acts upon is
- * compared with those that were sent. A run in which one was forged is counted, and proves nothing. Where nothing has
- * to hold, what happens is counted too.
+ * Where nothing has to hold, what happens is counted.
  *
  * Usage: line_channel [RUNS [FIRST_SEED]]
  */
 #include "libdeltarobot/line_device.h"
 #include "libdeltarobot/line_host.h"
 
-#include "check.h"
-#include "wire.h"
-
-#include <stdlib.h>
+#include "channel.h"
 
 enum {
     RUNS = 4000,
@@ -29,30 +24,17 @@ enum {
     COMMANDS = 40,
     ONE_WAY_MS = 120,
     BOUND_MS = 20000 + 5000 * OLP_WINDOW_MAX, /* by when any command has to have ended, behind all others */
-    QUEUE = 16384,
     SENT_MAX = 1024
 };
 
-/* Chances per 10000; delay in milliseconds. */
-struct quality {
-    unsigned lose_byte, flip_bit, lose_line, repeat_line, delay;
-};
-
-static const struct quality QUALITIES[] = {
-    {0, 0, 0, 0, 0},                /* a good line */
-    {0, 0, 1000, 0, 20},            /* whole lines lost */
-    {0, 0, 3000, 0, ONE_WAY_MS},    /* many of them, others late */
-    {0, 0, 1000, 1000, ONE_WAY_MS}, /* doubled too */
-    {20, 20, 0, 0, 20},             /* single bytes */
-    {0, 200, 0, 0, 5},              /* flips alone, in most lines */
-    {60, 60, 500, 500, ONE_WAY_MS}  /* everything */
-};
-
-struct line {
-    unsigned char bytes[QUEUE];
-    unsigned long due[QUEUE];
-    unsigned head, count;
-    unsigned long last_due;
+static const Quality QUALITIES[] = {
+    {0, 0, 0, 0, 0, 0, 0, 0},                /* a good line */
+    {0, 0, 0, 1000, 0, 20, 0, 0},            /* whole lines lost */
+    {0, 0, 0, 3000, 0, ONE_WAY_MS, 0, 0},    /* many of them, others late */
+    {0, 0, 0, 1000, 1000, ONE_WAY_MS, 0, 0}, /* doubled too */
+    {20, 20, 0, 0, 0, 20, 0, 0},             /* single bytes */
+    {0, 200, 0, 0, 0, 5, 0, 0},              /* flips alone, in most lines */
+    {60, 60, 0, 500, 500, ONE_WAY_MS, 0, 0}  /* everything */
 };
 
 enum kind { SET, ADD, TOGGLE, BAD, UNKNOWN, NOBODY, LONG, KINDS };
@@ -64,102 +46,22 @@ struct command {
     unsigned long at;
 };
 
-static unsigned long seed, now, clock_start;
-static struct quality quality;
-static struct line down, up;
 static struct olp_host host;
 static struct olp_device device;
 static struct command commands[COMMANDS];
-static int command_count, toggles, toggled, setups, setup_handle, setup_step, restarts, forged, wrong, widened;
+static int command_count, toggles, toggled, setup_handle, setup_step, restarts, widened;
 static int want_ack, want_checksum, want_window;
 static char sent[SENT_MAX][OLP_COMMAND_MAX + 1];
 static int sent_count;
-static const char *wrong_text;
-static unsigned long wrong_at;
 
 /* The link is set up, or the user would not have sent a command yet. */
 enum { TO_SETTLE, TO_WIDEN, SETTLED };
 
 /* Of one setup of the link. */
 static struct sums {
-    long runs, answered, refused, timed_out, restarted, twice, altered, mistaken, forged_runs, forged_wrong, lines;
+    long runs, answered, refused, timed_out, restarted, twice, altered, mistaken, forged_runs, lines;
     long repeats, unsettled;
 } sums[8], *sum;
-
-static unsigned below(unsigned limit)
-{
-    return wire_random(&seed) % limit;
-}
-
-static int chance(unsigned per_10000)
-{
-    return per_10000 != 0 && below(10000) < per_10000;
-}
-
-static unsigned long clock_ms(void)
-{
-    return (clock_start + now) & 0xFFFFFFFFul;
-}
-
-#define HOLDS(condition, what)                                                                                        \
-    do {                                                                                                              \
-        if (!(condition) && !wrong) {                                                                                 \
-            wrong = 1;                                                                                                \
-            wrong_text = what;                                                                                        \
-            wrong_at = now;                                                                                           \
-        }                                                                                                             \
-    } while (0)
-
-/* --- the line --- */
-
-static void put_byte(struct line *line, unsigned char byte, unsigned long due)
-{
-    if (line->count == QUEUE)
-        abort();
-    line->bytes[(line->head + line->count) % QUEUE] = byte;
-    line->due[(line->head + line->count) % QUEUE] = due;
-    ++line->count;
-    line->last_due = due;
-}
-
-static void transmit(struct line *line, const char *bytes, int length)
-{
-    unsigned long latest = now + ONE_WAY_MS;
-    unsigned long due = now + (quality.delay ? below(quality.delay) : 0);
-    int i, times;
-
-    if (chance(quality.lose_line))
-        return;
-    if (due < line->last_due)
-        due = line->last_due;
-    for (times = chance(quality.repeat_line) ? 2 : 1; times > 0; --times)
-        for (i = 0; i < length; ++i) {
-            unsigned char byte = (unsigned char)bytes[i];
-            if (quality.delay && below(20) == 0 && due < latest)
-                due += below(3);
-            if (chance(quality.lose_byte))
-                continue;
-            if (chance(quality.flip_bit))
-                byte = (unsigned char)(byte ^ 1u << below(8));
-            put_byte(line, byte, due);
-        }
-}
-
-static int arrived(struct line *line, char *out, int cap)
-{
-    int length = 0;
-    while (length < cap && line->count > 0 && line->due[line->head] <= now) {
-        out[length++] = (char)line->bytes[line->head];
-        line->head = (line->head + 1) % QUEUE;
-        --line->count;
-    }
-    return length;
-}
-
-static int is_damaged(void)
-{
-    return quality.lose_byte || quality.flip_bit;
-}
 
 /* --- the device --- */
 
@@ -272,19 +174,15 @@ static const struct olp_command COMMANDS_KNOWN[] = {
 };
 static const struct olp_device_table TABLE = {DEVICES, 3, COMMANDS_KNOWN, 6, send_up, 0};
 
-static void device_runs(void)
+static int device_receives(const unsigned char *bytes, int count)
 {
-    char bytes[512], *rest = bytes;
-    int length = arrived(&down, bytes, 1 + (int)below(300)), taken;
+    return olp_device_receive(&device, bytes, count, clock_ms());
+}
 
-    do {
-        taken = olp_device_receive(&device, rest, length, clock_ms());
-        HOLDS(taken >= 0 && taken <= length, "the device took more than it was given");
-        rest += taken;
-        length -= taken;
-        while (olp_device_poll(&device, clock_ms()) != OLP_RC_NO_EVENT)
-            continue;
-    } while (length > 0);
+static void device_does(void)
+{
+    while (olp_device_poll(&device, clock_ms()) != OLP_RC_NO_EVENT)
+        continue;
 }
 
 static void device_tells(void)
@@ -307,10 +205,8 @@ static void set_up(void)
     rc = setup_step == TO_SETTLE ? olp_host_setup(&host, "dev0", want_ack, want_checksum, -1)
                                  : olp_host_setup(&host, "dev0", -1, -1, want_window);
     HOLDS(rc > 0 || rc == -OLP_RC_BUSY, "a setup was not taken");
-    if (rc > 0) {
+    if (rc > 0)
         setup_handle = rc;
-        ++setups;
-    }
 }
 
 static int is_settled(const struct olp_host_link *link)
@@ -348,7 +244,7 @@ static void command_ended(const struct olp_host_event *event)
     sum->refused += event->outcome == OLP_HOST_REFUSED;
     sum->timed_out += event->outcome == OLP_HOST_TIMED_OUT;
     sum->restarted += event->outcome == OLP_HOST_RESTARTED;
-    HOLDS(event->outcome != OLP_HOST_RESTARTED || restarts || is_damaged() || quality.repeat_line, "no restart");
+    HOLDS(event->outcome != OLP_HOST_RESTARTED || restarts || is_damaged() || quality.repeat_piece, "no restart");
 }
 
 static void look_at(const struct olp_host_event *event)
@@ -428,38 +324,41 @@ static void user_acts(void)
 
 /* --- a run --- */
 
-static void host_runs(void)
+static int host_receives(const unsigned char *bytes, int count)
 {
-    char bytes[512], *rest = bytes, *end;
-    struct olp_host_event event;
-    int length = arrived(&up, bytes, 1 + (int)below(300)), taken;
+    return olp_host_receive(&host, bytes, count, clock_ms());
+}
 
-    do {
-        taken = olp_host_receive(&host, rest, length, clock_ms());
-        HOLDS(taken >= 0 && taken <= length, "took more than it was given");
-        rest += taken;
-        length -= taken;
-        while (olp_host_poll(&host, clock_ms(), &event) == OLP_RC_SUCCESS) {
-            look_at(&event);
-            /* A user who does not wait for the loop. */
-            if (event.kind == OLP_HOST_ENDED && setup_step == SETTLED && setup_handle == 0 && below(2) &&
-                command_count < COMMANDS)
-                request();
-        }
-    } while (length > 0);
+static void host_tells(void)
+{
+    struct olp_host_event event;
+    while (olp_host_poll(&host, clock_ms(), &event) == OLP_RC_SUCCESS) {
+        look_at(&event);
+        /* A user who does not wait for the loop. */
+        if (event.kind == OLP_HOST_ENDED && setup_step == SETTLED && setup_handle == 0 && below(2) &&
+            command_count < COMMANDS)
+            request();
+    }
+}
+
+static void host_sends(void)
+{
+    char bytes[OLP_COMMAND_MAX + 200], *line, *end;
+    int length;
+
     while ((length = olp_host_output(&host, bytes, OLP_COMMAND_MAX + (int)below(200), clock_ms())) > 0)
         /* Line by line, so that each has its own fate. */
-        for (rest = bytes; rest < bytes + length; rest = end) {
-            end = memchr(rest, '\n', (size_t)(bytes + length - rest));
-            HOLDS(end != NULL && end - rest < OLP_COMMAND_MAX, "what is sent is lines");
+        for (line = bytes; line < bytes + length; line = end) {
+            end = memchr(line, '\n', (size_t)(bytes + length - line));
+            HOLDS(end != NULL && end - line < OLP_COMMAND_MAX, "what is sent is lines");
             if (end == NULL)
                 return;
             ++end;
             if (sent_count < SENT_MAX) {
-                memcpy(sent[sent_count], rest, (size_t)(end - rest));
-                sent[sent_count++][end - rest] = '\0';
+                memcpy(sent[sent_count], line, (size_t)(end - line));
+                sent[sent_count++][end - line] = '\0';
             }
-            transmit(&down, rest, (int)(end - rest));
+            transmit(&down, line, (int)(end - line));
         }
 }
 
@@ -467,18 +366,13 @@ static void choose(unsigned long run)
 {
     struct olp_host_settings settings;
 
-    seed = run * 2654435761ul % 0xFFFFFFFFul + 1;
-    now = 1;
-    clock_start = below(4) == 0 ? 0xFFFFFFFFul - below(20000) : below(1000000);
-    quality = QUALITIES[below(sizeof QUALITIES / sizeof *QUALITIES)];
+    begin_run(run, QUALITIES, sizeof QUALITIES / sizeof *QUALITIES, 20000);
     want_ack = (int)(run >> 2 & 1);
     want_checksum = (int)(run >> 1 & 1);
     want_window = run & 1 ? WIDE : 1;
     sum = &sums[run & 7];
     ++sum->runs;
-    memset(&down, 0, sizeof down);
-    memset(&up, 0, sizeof up);
-    command_count = toggles = toggled = setups = setup_handle = restarts = forged = wrong = widened = sent_count = 0;
+    command_count = toggles = toggled = setup_handle = restarts = widened = sent_count = 0;
     setup_step = TO_SETTLE;
     memset(&settings, 0, sizeof settings);
     if (below(4) == 0)
@@ -498,7 +392,7 @@ static void judge(void)
 
     /* Where each end knows what the other has received. */
     strict = want_ack && want_checksum;
-    if (!is_damaged() && (want_ack || !(widened || quality.repeat_line)))
+    if (!is_damaged() && (want_ack || !(widened || quality.repeat_piece)))
         strict = 1;
     for (command = commands; command < commands + command_count; ++command) {
         int does = command->kind == SET || command->kind == ADD || command->kind == LONG;
@@ -543,7 +437,6 @@ static void run_once(unsigned long run)
     if (below(6) == 0)
         next_restart = 1 + below(20000);
     for (;;) {
-        long deadline;
         unsigned long next;
 
         if (now >= next_act) {
@@ -559,8 +452,9 @@ static void run_once(unsigned long run)
             ++restarts;
             olp_device_restart(&device);
         }
-        device_runs();
-        host_runs();
+        arrive(&down, 1 + (int)below(300), device_receives, device_does);
+        arrive(&up, 1 + (int)below(300), host_receives, host_tells);
+        host_sends();
         HOLDS(!is_overdue(), "a command does not end");
         if (wrong || (command_count == COMMANDS && !commands_out() && setup_handle == 0 && !up.count && !down.count))
             break;
@@ -569,48 +463,31 @@ static void run_once(unsigned long run)
             break;
         }
 
-        /* To the next thing that happens. The session is not looked at unless it says so, or something has come. */
-        deadline = olp_host_next_deadline(&host, clock_ms());
-        HOLDS(deadline >= -1, "a deadline");
-        next = next_act < next_event ? next_act : next_event;
-        if (deadline >= 0 && now + (unsigned long)deadline < next)
-            next = now + (unsigned long)deadline;
-        if (up.count && up.due[up.head] < next)
-            next = up.due[up.head];
-        if (down.count && down.due[down.head] < next)
-            next = down.due[down.head];
-        if (next <= now)
-            next = now + 1;
-        now = next;
+        next = next_act;
+        earlier(&next, next_event);
+        earlier_deadline(&next, olp_host_next_deadline(&host, clock_ms()));
+        go_on(next);
     }
     if (!wrong)
         judge();
     sum->repeats += (long)olp_host_get_health(&host)->repeats;
-    /* Where no byte is damaged, no line is: or else this test would not know what it knows. */
-    CHECK(!forged || is_damaged());
     sum->forged_runs += forged;
-    if (forged)
-        sum->forged_wrong += wrong;
-    else if (!CHECK(!wrong))
-        fprintf(stderr, "    run %lu, %lu ms: %s\n", run, wrong_at, wrong_text);
+    end_run(run, is_damaged());
 }
 
 int main(int argc, char **argv)
 {
-    unsigned long runs = argc > 1 ? strtoul(argv[1], NULL, 10) : RUNS;
-    unsigned long first = argc > 2 ? strtoul(argv[2], NULL, 10) : 1, run;
     int i;
 
-    for (run = first; run < first + runs; ++run)
-        run_once(run);
+    run_all(argc, argv, RUNS, run_once, 1);
     for (i = 0; i < 8; ++i) {
         const struct sums *of = &sums[i];
         printf("ack %-3s checksum %-3s window %d: %ld runs: %ld answered, %ld refused, %ld timed out, %ld restarted; "
-               "%ld lines, %ld repeats; twice %ld, altered %ld, mistaken %ld; forged in %ld runs, wrong then %ld; "
+               "%ld lines, %ld repeats; twice %ld, altered %ld, mistaken %ld; forged in %ld runs; "
                "unsettled %ld\n",
                i & 4 ? "on" : "off", i & 2 ? "on" : "off", i & 1 ? WIDE : 1, of->runs, of->answered, of->refused,
                of->timed_out, of->restarted, of->lines, of->repeats, of->twice, of->altered, of->mistaken,
-               of->forged_runs, of->forged_wrong, of->unsettled);
+               of->forged_runs, of->unsettled);
     }
     return check_summary("line_channel");
 }
