@@ -8,30 +8,6 @@
 
 #include <stddef.h>
 
-/* A size that is not as posted: an array of negative size. */
-#define SAME(a, b, name) typedef char name[(a) == (b) ? 1 : -1]
-SAME(sizeof(CPPacked7), 1, packed7);
-SAME(sizeof(CPPacked14), 2, packed14);
-SAME(sizeof(CPPacked28), 4, packed28);
-SAME(sizeof(CPVectorCommand), 28, command_size);
-SAME(offsetof(CPVectorCommand, targetVelocity), 0, command_velocity);
-SAME(offsetof(CPVectorCommand, axisMask), 2, command_mask);
-SAME(offsetof(CPVectorCommand, axisPosition), 4, command_position);
-SAME(sizeof(((CPVectorCommand *)0)->targetVelocity), 2, velocity_size);
-SAME(sizeof(((CPVectorCommand *)0)->axisMask), 1, mask_size);
-SAME(sizeof(((CPVectorCommand *)0)->axisPosition), 24, position_size);
-SAME(sizeof(CPPackedVectorCommandBuffer), 29, buffer_size);
-SAME(offsetof(CPPackedVectorCommandBuffer, length), 0, buffer_length);
-SAME(offsetof(CPPackedVectorCommandBuffer, bytes), 1, buffer_bytes);
-SAME(CPAxis_x + CPAxis_y + CPAxis_z + CPAxis_a + CPAxis_b + CPAxis_c, 15, axes);
-SAME(1 << CPAxis_x, CPMask_x, mask_x);
-SAME(1 << CPAxis_y, CPMask_y, mask_y);
-SAME(1 << CPAxis_z, CPMask_z, mask_z);
-SAME(1 << CPAxis_a, CPMask_a, mask_a);
-SAME(1 << CPAxis_b, CPMask_b, mask_b);
-SAME(1 << CPAxis_c, CPMask_c, mask_c);
-SAME(CPMask_velocity, 64, mask_velocity);
-
 #define ALL_AXES 0x3F
 #define POSITION_MAX 134217727
 #define POSITION_MIN (-134217728)

@@ -7,27 +7,7 @@
 #include "check.h"
 #include "wire.h"
 
-#include <stddef.h>
 #include <stdlib.h>
-
-/* The layouts that src/ffi asserts: an array of negative size where they differ. */
-#define SAME(a, b, name) typedef char name[(a) == (b) ? 1 : -1]
-SAME(sizeof(struct gx_vector), 28, vector_size);
-SAME(offsetof(struct gx_vector, velocity), 0, vector_velocity);
-SAME(offsetof(struct gx_vector, mask), 2, vector_mask);
-SAME(offsetof(struct gx_vector, axes), 4, vector_axes);
-SAME(sizeof(struct gx_number), 4, number_size);
-SAME(offsetof(struct gx_number, format), 2, number_format);
-SAME(sizeof(struct gx_item), 40, item_size);
-SAME(offsetof(struct gx_item, kind), 0, item_kind);
-SAME(offsetof(struct gx_item, number), 4, item_number);
-SAME(offsetof(struct gx_item, format), 8, item_format);
-SAME(offsetof(struct gx_item, code), 9, item_code);
-SAME(offsetof(struct gx_item, period), 10, item_period);
-SAME(offsetof(struct gx_item, vector), 12, item_vector);
-SAME(sizeof(struct gx_commands), 40, commands_size);
-SAME(sizeof(struct gx_notices), 40, notices_size);
-SAME(sizeof(struct gx_contour), 56, contour_size);
 
 static const struct gx_number none = {0, 0};
 

@@ -5,44 +5,6 @@
 #include "wire.h"
 
 #include <limits.h>
-#include <stddef.h>
-
-#define UP(value, type) (((value) + _Alignof(type) - 1) / _Alignof(type) * _Alignof(type))
-#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
-#define AT(type, field, place) SAME(offsetof(struct type, field), place)
-#define LONG sizeof(unsigned long)
-#define INT sizeof(int)
-
-AT(gx_host_settings, answer_ms, 0);
-AT(gx_host_settings, probe_ms, LONG);
-AT(gx_host_settings, move_ms, 2 * LONG);
-AT(gx_host_settings, gap_ms, 3 * LONG);
-AT(gx_host_settings, attempts, 4 * LONG);
-AT(gx_host_settings, window, 4 * LONG + INT);
-AT(gx_host_settings, ascii, 4 * LONG + 2 * INT);
-AT(gx_host_settings, first_number, 4 * LONG + 3 * INT);
-SAME(sizeof(struct gx_host_settings), UP(4 * LONG + 4 * INT, unsigned long));
-AT(gx_host_health, moves, 0);
-AT(gx_host_health, repeats, LONG);
-AT(gx_host_health, completions, 2 * LONG);
-AT(gx_host_health, errors, 3 * LONG);
-AT(gx_host_health, strays, 4 * LONG);
-AT(gx_host_health, reports, 5 * LONG);
-AT(gx_host_health, malformed, 6 * LONG);
-AT(gx_host_health, timeouts, 7 * LONG);
-AT(gx_host_health, sessions, 8 * LONG);
-SAME(sizeof(struct gx_host_health), 9 * LONG);
-SAME(sizeof(struct gx_host_requested), 32);
-SAME(sizeof(struct gx_host_window), UP(GX_WINDOW_MAX * 32 + 28 + 5, int32_t));
-AT(gx_host_event, kind, 0);
-AT(gx_host_event, outcome, INT);
-AT(gx_host_event, code, 2 * INT);
-AT(gx_host_event, number, 3 * INT);
-AT(gx_host_event, position, 4 * INT);
-SAME(sizeof(struct gx_host_event), 4 * INT + sizeof(struct gx_vector));
-#if GX_WINDOW_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
-SAME(sizeof(struct gx_host), 800);
-#endif
 
 static struct gx_host host;
 static unsigned long now;

@@ -5,35 +5,6 @@
 #include "wire.h"
 
 #include <limits.h>
-#include <stddef.h>
-
-#define UP(value, type) (((value) + _Alignof(type) - 1) / _Alignof(type) * _Alignof(type))
-#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
-#define AT(type, field, place) SAME(offsetof(struct type, field), place)
-#define LONG sizeof(unsigned long)
-#define INT sizeof(int)
-
-AT(gx_motion_settings, gap_ms, 0);
-AT(gx_motion_settings, axes, LONG);
-AT(gx_motion_settings, only_in_order, LONG + INT);
-SAME(sizeof(struct gx_motion_settings), UP(LONG + 2 * INT, unsigned long));
-AT(gx_motion_health, moves, 0);
-AT(gx_motion_health, repeats, LONG);
-AT(gx_motion_health, refused, 2 * LONG);
-AT(gx_motion_health, malformed, 3 * LONG);
-AT(gx_motion_health, reports, 4 * LONG);
-SAME(sizeof(struct gx_motion_health), 5 * LONG);
-AT(gx_motion_event, kind, 0);
-AT(gx_motion_event, number, INT);
-AT(gx_motion_event, code, 2 * INT);
-AT(gx_motion_event, period, 3 * INT);
-SAME(sizeof(struct gx_motion_event), 4 * INT);
-SAME(sizeof(struct gx_motion_queued), 32);
-SAME(sizeof(struct gx_motion_queue), GX_QUEUE_MAX * 32 + 28 + 4);
-SAME(sizeof(struct gx_motion_notices), 26);
-#if GX_QUEUE_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
-SAME(sizeof(struct gx_motion), 752);
-#endif
 
 static struct gx_motion motion;
 static unsigned long now;

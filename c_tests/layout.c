@@ -1,14 +1,14 @@
-/* C11: everything existing programs rely on at compile time: layouts, values and types of the macros, free names. */
+/*
+ * Everything existing programs rely on at compile time: layouts, values and types of protocol.h's macros, free names.
+ * And the layouts of host.h and controller.h.
+ */
+#include "libdeltarobot/controller.h"
+#include "libdeltarobot/host.h"
 #include "libdeltarobot/protocol.h"
 
 #include "check.h"
+#include "layout.h"
 
-#include <stddef.h>
-
-#define ROUND_UP(value, unit) (((value) + (unit) - 1) / (unit) * (unit))
-#define INTS_AFTER(bytes) ROUND_UP((bytes), _Alignof(int))
-
-#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
 #define IS_INT(macro, value)                                                                                           \
     SAME(macro, value);                                                                                                \
     _Static_assert(_Generic((macro), int: 1, default: 0), #macro " is not an int")
@@ -17,40 +17,40 @@
     _Static_assert(_Generic((macro), unsigned char: 1, default: 0), #macro " is not an unsigned char")
 #define HAS_TYPE(object, type) _Static_assert(_Generic(&(object), type *: 1, default: 0), #object " is not " #type)
 
-SAME(offsetof(struct protocol_msg, opcode), 0);
-SAME(offsetof(struct protocol_msg, data_s), _Alignof(int));
-SAME(offsetof(struct protocol_msg, data), _Alignof(int) + sizeof(int));
-SAME(offsetof(struct protocol_msg, checksum_ok), INTS_AFTER(_Alignof(int) + sizeof(int) + DP_DATA_MAX_SIZE));
+AT(protocol_msg, opcode, 0);
+AT(protocol_msg, data_s, _Alignof(int));
+AT(protocol_msg, data, _Alignof(int) + sizeof(int));
+AT(protocol_msg, checksum_ok, UP(_Alignof(int) + INT + DP_DATA_MAX_SIZE, int));
 SAME(sizeof(struct protocol_msg), offsetof(struct protocol_msg, checksum_ok) + sizeof(int));
 SAME(_Alignof(struct protocol_msg), _Alignof(int));
 
-SAME(offsetof(struct protocol_data, m_buf), 0);
-SAME(offsetof(struct protocol_data, m_idx), INTS_AFTER(DP_BUFSIZE));
-SAME(offsetof(struct protocol_data, m_sz), INTS_AFTER(DP_BUFSIZE) + sizeof(int));
-SAME(sizeof(struct protocol_data), INTS_AFTER(DP_BUFSIZE) + 2 * sizeof(int));
+AT(protocol_data, m_buf, 0);
+AT(protocol_data, m_idx, UP(DP_BUFSIZE, int));
+AT(protocol_data, m_sz, UP(DP_BUFSIZE, int) + sizeof(int));
+SAME(sizeof(struct protocol_data), UP(DP_BUFSIZE, int) + 2 * sizeof(int));
 SAME(_Alignof(struct protocol_data), _Alignof(int));
 
-SAME(offsetof(struct protocol_msg_status_report, DA), 0);
-SAME(offsetof(struct protocol_msg_status_report, DB), 4);
-SAME(offsetof(struct protocol_msg_status_report, DC), 8);
-SAME(offsetof(struct protocol_msg_status_report, STAT), 12);
+AT(protocol_msg_status_report, DA, 0);
+AT(protocol_msg_status_report, DB, 4);
+AT(protocol_msg_status_report, DC, 8);
+AT(protocol_msg_status_report, STAT, 12);
 SAME(sizeof(struct protocol_msg_status_report), 16);
 SAME(_Alignof(struct protocol_msg_status_report), _Alignof(float));
 
-SAME(offsetof(struct protocol_msg_position, DA), 0);
-SAME(offsetof(struct protocol_msg_position, DB), 4);
-SAME(offsetof(struct protocol_msg_position, DC), 8);
+AT(protocol_msg_position, DA, 0);
+AT(protocol_msg_position, DB, 4);
+AT(protocol_msg_position, DC, 8);
 SAME(sizeof(struct protocol_msg_position), 12);
 SAME(_Alignof(struct protocol_msg_position), _Alignof(float));
 
 #if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32 && defined(__x86_64__)
 SAME(sizeof(struct protocol_msg), 44);
-SAME(offsetof(struct protocol_msg, data_s), 4);
-SAME(offsetof(struct protocol_msg, data), 8);
-SAME(offsetof(struct protocol_msg, checksum_ok), 40);
+AT(protocol_msg, data_s, 4);
+AT(protocol_msg, data, 8);
+AT(protocol_msg, checksum_ok, 40);
 SAME(sizeof(struct protocol_data), 136);
-SAME(offsetof(struct protocol_data, m_idx), 128);
-SAME(offsetof(struct protocol_data, m_sz), 132);
+AT(protocol_data, m_idx, 128);
+AT(protocol_data, m_sz, 132);
 #endif
 
 /* The sizes may be compared by the preprocessor. */
@@ -114,6 +114,80 @@ HAS_TYPE(ring.m_idx, int);
 HAS_TYPE(ring.m_sz, int);
 SAME(sizeof message.data, DP_DATA_MAX_SIZE);
 SAME(sizeof ring.m_buf, DP_BUFSIZE);
+
+/* --- host.h and controller.h --- */
+
+AT(dp_host_settings, ack_ms, 0);
+AT(dp_host_settings, guard_ms, LONG);
+AT(dp_host_settings, settle_ms, 2 * LONG);
+AT(dp_host_settings, poll_ms, 3 * LONG);
+AT(dp_host_settings, silence_ms, 4 * LONG);
+AT(dp_host_settings, operation_ms, 5 * LONG);
+AT(dp_host_settings, gap_ms, 6 * LONG);
+AT(dp_host_settings, tolerance, 7 * LONG);
+AT(dp_host_settings, attempts, 7 * LONG + 4);
+AT(dp_host_settings, layout, 7 * LONG + 4 + INT);
+AT(dp_host_settings, messages, 7 * LONG + 4 + 2 * INT);
+AT(dp_host_settings, doubles, 7 * LONG + 4 + 3 * INT);
+SAME(sizeof(struct dp_host_settings), UP(7 * LONG + 4 + 4 * INT, unsigned long));
+
+AT(dp_host_health, frames, 0);
+AT(dp_host_health, malformed, LONG);
+AT(dp_host_health, strays, 2 * LONG);
+AT(dp_host_health, garbage_bytes, 3 * LONG);
+AT(dp_host_health, checksum_failures, 4 * LONG);
+AT(dp_host_health, overflows, 5 * LONG);
+AT(dp_host_health, timeouts, 6 * LONG);
+AT(dp_host_health, repeats, 7 * LONG);
+AT(dp_host_health, rtt_count, 8 * LONG);
+AT(dp_host_health, rtt_last, 9 * LONG);
+AT(dp_host_health, rtt_min, 10 * LONG);
+AT(dp_host_health, rtt_max, 11 * LONG);
+AT(dp_host_health, rtt_sum, 12 * LONG);
+SAME(sizeof(struct dp_host_health), 13 * LONG);
+
+SAME(sizeof(struct dp_host_request), UP(2 * LONG + 5, unsigned long));
+SAME(sizeof(struct dp_host_link), UP(UP(sizeof(struct protocol_data), unsigned long) + LONG + 3, unsigned long));
+AT(dp_host, settings, 0);
+AT(dp_host, health, sizeof(struct dp_host_settings));
+AT(dp_host, link, sizeof(struct dp_host_settings) + sizeof(struct dp_host_health));
+SAME(sizeof(struct dp_host),
+     UP(offsetof(struct dp_host, link) + sizeof(struct dp_host_link) + 3 * sizeof(struct dp_host_request) + 4 * LONG +
+            4 * INT + 7 + 2 * 12,
+        unsigned long));
+
+AT(dp_host_event, kind, 0);
+AT(dp_host_event, opcode, INT);
+AT(dp_host_event, outcome, INT + UP(1, int));
+AT(dp_host_event, state, offsetof(struct dp_host_event, outcome) + INT);
+AT(dp_host_event, report, UP(offsetof(struct dp_host_event, state) + INT, float));
+AT(dp_host_event, msg, UP(offsetof(struct dp_host_event, report) + sizeof(struct protocol_msg_status_report), int));
+SAME(sizeof(struct dp_host_event), offsetof(struct dp_host_event, msg) + sizeof(struct protocol_msg));
+
+AT(dp_controller_calls, home, 0);
+AT(dp_controller_calls, move, POINTER);
+AT(dp_controller_calls, cancel, 2 * POINTER);
+AT(dp_controller_calls, read, 3 * POINTER);
+AT(dp_controller_calls, send, 4 * POINTER);
+SAME(sizeof(struct dp_controller_calls), 5 * POINTER);
+SAME(sizeof(struct dp_dispatcher), sizeof(struct protocol_data) + UP(INT + 13, int));
+AT(dp_controller, dispatcher, 0);
+AT(dp_controller, calls, UP(sizeof(struct dp_dispatcher), void *));
+AT(dp_controller, usr, offsetof(struct dp_controller, calls) + POINTER);
+AT(dp_controller, layout, offsetof(struct dp_controller, calls) + 2 * POINTER);
+AT(dp_controller, flags, offsetof(struct dp_controller, calls) + 2 * POINTER + INT);
+SAME(sizeof(struct dp_controller), UP(offsetof(struct dp_controller, flags) + INT, void *));
+
+#if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32 && defined(__x86_64__) && defined(__LP64__)
+SAME(sizeof(struct dp_host), 488);
+SAME(sizeof(struct dp_controller), 184);
+#endif
+
+/* All of the messages have texts of that length at most, whatever the sizes. */
+SAME(DP_MSG_TEXT_MAX, 96);
+SAME(DP_HOST_OUTPUT_MAX, 5 + 17 + 5);
+
+/* --- what can only be seen at work --- */
 
 static const char *name(unsigned char opcode)
 {

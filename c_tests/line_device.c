@@ -4,7 +4,6 @@
 #include "check.h"
 
 #include <limits.h>
-#include <stddef.h>
 
 #define ID "9o5qzg"
 
@@ -776,53 +775,8 @@ static void bad_arguments_are_refused(void)
     CHECK(olp_device_get_health(NULL) == NULL);
 }
 
-/* The same numbers as in src/ffi/line_device.rs. */
-static size_t up(size_t size, size_t align)
-{
-    return (size + align - 1) / align * align;
-}
-
-#define ALIGN_OF(type) offsetof(struct { char before; type it; }, it)
-
-static void structs_are_laid_out_as_in_rust(void)
-{
-    const size_t P = sizeof(void *), I = sizeof(int), L = sizeof(long), PA = ALIGN_OF(void *), LA = ALIGN_OF(long);
-    const size_t answer = up(L + I + 2 + OLP_REPLY_MAX, LA);
-    const size_t answers = up(OLP_WINDOW_MAX * answer + 2, LA);
-    const size_t link = up(answers + 7 * L + I + 4, LA);
-    const size_t input = up(2 * I + 1 + OLP_COMMAND_MAX, ALIGN_OF(int));
-
-    CHECK_INT(offsetof(struct olp_device_info, id), 0);
-    CHECK_INT(offsetof(struct olp_device_info, type), P);
-    CHECK_INT(offsetof(struct olp_device_info, pos), 2 * P);
-    CHECK_INT(offsetof(struct olp_device_info, name), up(2 * P + I, PA));
-    CHECK_INT(offsetof(struct olp_device_info, version), up(2 * P + I, PA) + P);
-    CHECK_INT(sizeof(struct olp_device_info), up(2 * P + I, PA) + 2 * P);
-    CHECK_INT(offsetof(struct olp_command, name), P);
-    CHECK_INT(offsetof(struct olp_command, run), 2 * P);
-    CHECK_INT(sizeof(struct olp_command), 3 * P);
-    CHECK_INT(offsetof(struct olp_device_table, device_count), P);
-    CHECK_INT(offsetof(struct olp_device_table, commands), up(P + I, PA));
-    CHECK_INT(offsetof(struct olp_device_table, command_count), up(P + I, PA) + P);
-    CHECK_INT(offsetof(struct olp_device_table, send), up(up(P + I, PA) + P + I, PA));
-    CHECK_INT(offsetof(struct olp_device_table, repeat_ms), up(up(up(P + I, PA) + P + I, PA) + P, LA));
-    CHECK_INT(sizeof(struct olp_device_table), up(offsetof(struct olp_device_table, repeat_ms) + L, PA));
-    CHECK_INT(offsetof(struct olp_device_health, repeats), L);
-    CHECK_INT(offsetof(struct olp_device_health, checksums), 2 * L);
-    CHECK_INT(offsetof(struct olp_device_health, malformed), 3 * L);
-    CHECK_INT(offsetof(struct olp_device_health, overflows), 4 * L);
-    CHECK_INT(offsetof(struct olp_device_health, refused), 5 * L);
-    CHECK_INT(sizeof(struct olp_device_health), 6 * L);
-    CHECK_INT(sizeof(struct olp_device_answer), answer);
-    CHECK_INT(sizeof(struct olp_device_answers), answers);
-    CHECK_INT(sizeof(struct olp_device_link), link);
-    CHECK_INT(sizeof(struct olp_device_input), input);
-    CHECK_INT(sizeof(struct olp_device), up(up(link, PA) + 2 * P + I + input + 5, ALIGN_OF(struct olp_device)));
-}
-
 int main(void)
 {
-    structs_are_laid_out_as_in_rust();
     commands_are_executed_and_answered();
     what_cannot_be_executed_is_an_error();
     acks_come_first();

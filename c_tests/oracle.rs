@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{TestCaseResult, TestRunner};
 
-use crate::support::{DEFAULT, Library, MODEL, Mode, Program, Sizes, build, command};
+use crate::support::{DEFAULT, LARGEST, Library, MODEL, Mode, Program, Sizes, build, command};
 
 const OPCODES: &[u8] = b"ANHSMChsme";
 const OVERHEAD: usize = 5;
@@ -268,7 +268,7 @@ fn random_streams() {
 
 #[test]
 fn random_streams_with_the_longest_payloads() {
-    check_streams(Sizes::new(512, 255), 2);
+    check_streams(LARGEST, 2);
 }
 
 #[test]

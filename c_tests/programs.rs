@@ -25,7 +25,7 @@ macro_rules! in_every_mode {
 
             #[test]
             fn under_valgrind() {
-                check::<&str>(&$program, DEFAULT, Mode::Valgrind, &[]);
+                check(&$program, DEFAULT, Mode::Valgrind, $program.slowly);
             }
 
             #[test]
@@ -45,29 +45,28 @@ in_every_mode! {
     cross_comm: Program::c99("cross_comm", &["cross_comm.cpp"]).language(Language::Cpp98);
     ext: Program::c99("ext", &["ext.c"]);
     gx: Program::c99("gx", &["gx.c"]).family(Family::Gx);
-    gx_channel: Program::c99("gx_channel", &["gx_channel.c"]).family(Family::Gx);
+    gx_channel: Program::c99("gx_channel", &["gx_channel.c"]).family(Family::Gx).slowly(&["300"]);
     gx_contour: Program::c99("gx_contour", &["gx_contour.c"]).family(Family::Gx);
-    gx_host: Program::c99("gx_host", &["gx_host.c"]).language(Language::C11).family(Family::Gx);
-    gx_motion: Program::c99("gx_motion", &["gx_motion.c"]).language(Language::C11).family(Family::Gx);
+    gx_host: Program::c99("gx_host", &["gx_host.c"]).family(Family::Gx);
+    gx_layout: Program::c99("gx_layout", &["gx_layout.c"]).language(Language::C11).family(Family::Gx);
+    gx_motion: Program::c99("gx_motion", &["gx_motion.c"]).family(Family::Gx);
     host_link: Program::c99("host_link", &["host_link.c"]);
     host_session: Program::c99("host_session", &["host_session.c"]);
     hostile: Program::c99("hostile", &["hostile.c"]);
     layout: Program::c99("layout", &["layout.c"]).language(Language::C11);
     layout_cpp: Program::c99("layout_cpp", &["layout_cpp.cpp"]).language(Language::Cpp98);
-    layout_session: Program::c99("layout_session", &["layout_session.c"]).language(Language::C11);
-    line_channel: Program::c99("line_channel", &["line_channel.c"]).family(Family::Line);
+    line_channel: Program::c99("line_channel", &["line_channel.c"]).family(Family::Line).slowly(&["300"]);
     line_conversation: Program::c99("line_conversation", &["line_conversation.c"]).family(Family::Line);
     line_device: Program::c99("line_device", &["line_device.c"]).family(Family::Line);
     line_host: Program::c99("line_host", &["line_host.c"]).family(Family::Line);
-    line_host_layout: Program::c99("line_host_layout", &["line_host_layout.c"]).language(Language::C11).family(Family::Line);
     line_layout: Program::c99("line_layout", &["line_layout.c"]).language(Language::C11).family(Family::Line);
     line_protocol: Program::c99("line_protocol", &["line_protocol.c"]).family(Family::Line);
     noise: Program::c99("noise", &["noise.c", MODEL]);
     payload: Program::c99("payload", &["payload.c"]);
     pc_utils: Program::c99("pc_utils", &["pc_utils.cpp"]).language(Language::Cpp98);
     reentrant: Program::c99("reentrant", &["reentrant.c"]);
-    serial: Program::c99("serial", &["serial.c"]);
-    session_channel: Program::c99("session_channel", &["session_channel.c"]);
+    serial: Program::c99("serial", &["serial.c"]).family(Family::Serial);
+    session_channel: Program::c99("session_channel", &["session_channel.c"]).slowly(&["300"]);
     threads: Program::c99("threads", &["threads.c"]);
     two_units: Program::c99("two_units", &["two_units_a.c", "two_units_b.c"]);
 }

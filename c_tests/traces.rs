@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::support::{Library, Mode, Program, Sizes, build, c_tests, check, command, compiler, out_dir, run, text};
+use crate::support::{
+    DEFAULT, LARGEST, Library, Mode, Program, Sizes, build, c_tests, check, command, compiler, out_dir, run, text,
+};
 
 const REPLAY: Program = Program::c99("replay", &["replay.c"]);
 const KINDS: [&str; 4] = ["clean", "tricky", "noise", "overflow"];
@@ -12,8 +14,9 @@ fn trace(name: &str) -> PathBuf {
 }
 
 fn traces_of(sizes: Sizes) -> Vec<PathBuf> {
-    let mut traces: Vec<_> = KINDS.iter().map(|kind| trace(&format!("{kind}.{sizes}.txt"))).collect();
-    if sizes.data_max >= 32 {
+    let Sizes { bufsize, data_max, .. } = sizes;
+    let mut traces: Vec<_> = KINDS.iter().map(|kind| trace(&format!("{kind}.{bufsize}-{data_max}.txt"))).collect();
+    if data_max >= 32 {
         traces.push(trace("send.32.txt"));
     }
     traces
@@ -37,11 +40,11 @@ fn check_model(sizes: Sizes) {
 }
 
 macro_rules! replayed {
-    ($($name:ident: $bufsize:literal, $data_max:literal;)*) => {$(
+    ($($name:ident: $sizes:expr;)*) => {$(
         mod $name {
             use super::*;
 
-            const SIZES: Sizes = Sizes::new($bufsize, $data_max);
+            const SIZES: Sizes = $sizes;
 
             #[test]
             fn linked_statically() {
@@ -72,16 +75,16 @@ macro_rules! replayed {
 }
 
 replayed! {
-    sizes_128_32: 128, 32;
-    sizes_256_32: 256, 32;
-    sizes_512_255: 512, 255;
+    sizes_128_32: DEFAULT;
+    sizes_256_32: Sizes::new(256, 32);
+    sizes_512_255: LARGEST;
 }
 
 #[test]
 fn a_recording_of_other_sizes_is_refused() {
-    let library = Library::of(Sizes::new(100, 17));
+    let library = Library::of(Sizes::new(101, 17));
     let replay = build(&REPLAY, &library, Mode::Static).unwrap();
     let output = run(command(&replay, &library, Mode::Static).arg(trace("clean.128-32.txt")));
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-    assert!(text(&output).contains("recorded for 128/32, compiled for 100/17"), "{}", text(&output));
+    assert!(text(&output).contains("recorded for 128/32, compiled for 101/17"), "{}", text(&output));
 }

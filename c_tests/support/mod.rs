@@ -20,6 +20,8 @@ pub(crate) enum Family {
     Deltarobot,
     Line,
     Gx,
+    /// No sizes mean anything to it.
+    Serial,
 }
 
 /// The sizes a library is built for, as `src/sizes.mk` lists them.
@@ -36,13 +38,12 @@ pub(crate) const DEFAULT: Sizes = Sizes::new(128, 32);
 /// All as small as they can be.
 pub(crate) const SMALLEST: Sizes = Sizes::new(6, 1).olp([63, 1, 64, 1]).gx([1, 1]);
 
-/// All that have an upper limit at that, and the others large; here they need padding behind them.
-pub(crate) const LARGEST: Sizes = Sizes::new(300, 255).olp([1000, 64, 255, 255]).gx([255, 255]);
+/// All that have an upper limit at that, and the others large: of DP_BUFSIZE, what the original once had.
+pub(crate) const LARGEST: Sizes = Sizes::new(512, 255).olp([1000, 64, 255, 255]).gx([255, 255]);
 
 /// The sizes of the original's earlier revisions, and what lies at the edges: besides those above, a ring that holds
 /// one maximal frame and no more, and sizes that need padding behind them.
-pub(crate) const OTHERS: [Sizes; 6] =
-    [Sizes::new(256, 32), Sizes::new(512, 255), Sizes::new(37, 32), SMALLEST, LARGEST, Sizes::new(100, 17)];
+pub(crate) const OTHERS: [Sizes; 5] = [Sizes::new(256, 32), Sizes::new(37, 32), SMALLEST, LARGEST, Sizes::new(101, 17)];
 
 impl Sizes {
     /// Those of the other protocols are the default ones.
@@ -81,6 +82,7 @@ impl Sizes {
             Family::Deltarobot => (self.bufsize, self.data_max) != (DEFAULT.bufsize, DEFAULT.data_max),
             Family::Line => self.olp != DEFAULT.olp,
             Family::Gx => self.gx != DEFAULT.gx,
+            Family::Serial => false,
         }
     }
 }
@@ -141,11 +143,13 @@ pub(crate) struct Program {
     pub(crate) language: Language,
     pub(crate) flags: &'static [&'static str],
     pub(crate) family: Family,
+    /// What it is given under valgrind, which takes fifty times as long as the processor.
+    pub(crate) slowly: &'static [&'static str],
 }
 
 impl Program {
     pub(crate) const fn c99(name: &'static str, sources: &'static [&'static str]) -> Self {
-        Self { name, sources, language: Language::C99, flags: &[], family: Family::Deltarobot }
+        Self { name, sources, language: Language::C99, flags: &[], family: Family::Deltarobot, slowly: &[] }
     }
 
     pub(crate) const fn language(self, language: Language) -> Self {
@@ -159,6 +163,10 @@ impl Program {
     /// The protocol whose sizes it depends on.
     pub(crate) const fn family(self, family: Family) -> Self {
         Self { family, ..self }
+    }
+
+    pub(crate) const fn slowly(self, slowly: &'static [&'static str]) -> Self {
+        Self { slowly, ..self }
     }
 
     /// The other sizes that mean anything to it.
