@@ -1,84 +1,43 @@
-/* The sample communication of the page "Ozeki Line Protocol": each line received, read, and built again of what was read. */
+/* The sample communication of the page "Ozeki Line Protocol": each line received, read, and built again. */
 #include "libdeltarobot/line_protocol.h"
 
 #include "check.h"
+#include "line_sample.h"
 
 #include <ctype.h>
 #include <stdlib.h>
 
-enum { FROM_DEVICE, FROM_PC };
-
-#define MOTOR(axis)                                                                                                    \
-    {                                                                                                                  \
-        FROM_DEVICE, "c=motordetails&axis=" axis                                                                       \
-                     "&velocity=9600.00&stepangle=1.80&stepanglediv=16&acceleration=131072&id=6O1KiA&t=0"              \
-    }
-#define HEATER(temp, t)                                                                                                \
-    {                                                                                                                  \
-        FROM_DEVICE, "c=heaterinfo&temp=" temp "&desiredtemp=-1000.00&state=0&id=M1F910&t=" t                          \
-    }
-
-static const struct {
-    int from;
-    const char *text;
-} SAMPLE[] = {
-    {FROM_DEVICE, "c=welcome&id=0uAAly&type=OzekiIDManager&pos=1&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=6O1KiA&type=OzekiStepperMotorMultiController&pos=2&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=3Mx14T&type=OzekiButtonController&pos=3&name=StopYmin&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=xvnuu3&type=OzekiButtonController&pos=4&name=StopYmax&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=1988L4&type=OzekiButtonController&pos=5&name=StopZmin&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=M1F910&type=OzekiTemperatureController&pos=6&name=HeaterExt1&version=1.0.0"},
-    {FROM_DEVICE, "c=welcome&id=9o5qzg&type=OzekiSwitchController&pos=7&name=FanExt1&version=1.0.0"},
-    {FROM_DEVICE, "c=motorsnumber&count=4&id=6O1KiA&t=0"},
-    MOTOR("x"),
-    MOTOR("y"),
-    MOTOR("z"),
-    MOTOR("a"),
-    {FROM_DEVICE, "c=welcome&type=Ozeki3DPrinterDisc&id=OZPDSC&version=1.0.0"},
-    {FROM_PC, "c=setpushinfo&interval=2000&state=1&t=0&id=M1F910"},
-    {FROM_DEVICE, "c=setpushinfo_resp&state=1&interval=2000&id=M1F910&t=1"},
-    HEATER("110.44", "2"),
-    HEATER("121.01", "3"),
-    HEATER("125.93", "4"),
-    HEATER("128.28", "5"),
-    HEATER("129.48", "6"),
-    HEATER("129.87", "7"),
-    HEATER("130.47", "8"),
-    HEATER("131.15", "9"),
-    HEATER("131.15", "10"),
-    {FROM_PC, "c=setswitch&state=1&t=11&id=9o5qzg"},
-    {FROM_DEVICE, "c=setswitch_resp&state=1&pwm=254&id=9o5qzg&t=12"},
-    HEATER("131.71", "13"),
-    {FROM_PC, "c=setswitch&state=0&t=14&id=9o5qzg"},
-    {FROM_DEVICE, "c=setswitch_resp&state=0&pwm=254&id=9o5qzg&t=15"},
-    HEATER("131.65", "16"),
-    HEATER("132.22", "17"),
-    /* The other lines of that page. */
-    {FROM_DEVICE, "c=ack&checksum=d293&t=255&id=M1F910"},
-    {FROM_DEVICE, "c=ack&checksum=null&t=255&id=M1F910"},
-    {FROM_PC, "c=linksetup&ack=on&checksum=fletcher16&t=2&id=sf6z34"},
-    {FROM_DEVICE, "c=ack&checksum=d293&t=2&id=sf6z34"},
-    {FROM_DEVICE, "c=linksetup_resp&ack=on&checksum=fletcher16&id=sf6z34&t=3"},
-    {FROM_DEVICE, "c=linksetup&windowsize=1&ack=on&checksum=fletcher16&t=2&id=sf6z34"},
+/* The other lines of that page. */
+static const char *const OTHERS[] = {
+    "c=ack&checksum=d293&t=255&id=M1F910",
+    "c=ack&checksum=null&t=255&id=M1F910",
+    ">c=linksetup&ack=on&checksum=fletcher16&t=2&id=sf6z34",
+    "c=ack&checksum=d293&t=2&id=sf6z34",
+    "c=linksetup_resp&ack=on&checksum=fletcher16&id=sf6z34&t=3",
+    "c=linksetup&windowsize=1&ack=on&checksum=fletcher16&t=2&id=sf6z34",
 };
-enum { LINES = sizeof SAMPLE / sizeof *SAMPLE };
+enum { LINES = SAMPLE_LINES + sizeof OTHERS / sizeof *OTHERS };
 
-/* A line of the sample, perhaps with its checksum. */
+static const char *line_at(int at)
+{
+    return at < SAMPLE_LINES ? SAMPLE[at] : OTHERS[at - SAMPLE_LINES];
+}
+
+/* A line as it was sent, perhaps with its checksum. */
 static int as_sent(char *out, int at, int checksum, const char *end)
 {
-    const char *text = SAMPLE[at].text;
-    int length = sprintf(out, "%s", text);
+    int length = sprintf(out, "%s", line_at(at) + (*line_at(at) == '>'));
     if (checksum)
-        length += sprintf(out + length, "&s=%04x", olp_fletcher16(text, length));
+        length += sprintf(out + length, "&s=%04x", olp_fletcher16(out, length));
     return length + sprintf(out + length, "%s", end);
 }
 
-static void begin(struct olp_encoder *encoder, char *out, int from, const struct olp_message *message)
+static void begin(struct olp_encoder *encoder, char *out, int is_command, const struct olp_message *message)
 {
     char command[64];
 
     CHECK(olp_get_string(message, "c", 0, command, (int)sizeof command) > 0);
-    if (from == FROM_PC)
+    if (is_command)
         CHECK_INT(olp_begin_command(encoder, out, 256, command), OLP_RC_SUCCESS);
     else
         CHECK_INT(olp_begin(encoder, out, 256, command), OLP_RC_SUCCESS);
@@ -118,7 +77,7 @@ static void rebuild(int at, const struct olp_message *message, int checksum,
     char out[256], expected[256], name[64];
     int index, length;
 
-    begin(&encoder, out, SAMPLE[at].from, message);
+    begin(&encoder, out, *line_at(at) == '>', message);
     for (index = 1; olp_param_at(message, index, &param) == OLP_RC_SUCCESS; ++index) {
         memcpy(name, param.name, (size_t)param.name_length);
         name[param.name_length] = '\0';

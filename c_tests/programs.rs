@@ -58,7 +58,10 @@ in_every_mode! {
     line_channel: Program::c99("line_channel", &["line_channel.c"]).family(Family::Line).slowly(&["300"]);
     line_conversation: Program::c99("line_conversation", &["line_conversation.c"]).family(Family::Line);
     line_device: Program::c99("line_device", &["line_device.c"]).family(Family::Line);
+    line_device_calls: Program::c99("line_device_calls", &["line_device_calls.c"]).family(Family::Line);
+    line_encoder: Program::c99("line_encoder", &["line_encoder.c"]).family(Family::Line);
     line_host: Program::c99("line_host", &["line_host.c"]).family(Family::Line);
+    line_host_link: Program::c99("line_host_link", &["line_host_link.c"]).family(Family::Line);
     line_layout: Program::c99("line_layout", &["line_layout.c"]).language(Language::C11).family(Family::Line);
     line_protocol: Program::c99("line_protocol", &["line_protocol.c"]).family(Family::Line);
     noise: Program::c99("noise", &["noise.c", MODEL]);

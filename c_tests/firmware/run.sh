@@ -95,10 +95,11 @@ if [ "$what" = test ]; then
         done
     done
     "$tests/line.sh" test "$root/target/firmware/avr-none" "$out"
-    # The C tests of the other protocols, as they are, on what firmware gets. Not line_protocol.c: it takes strtof for its
-    # measure, and newlib's rounds twice.
+    # The layouts, and the C tests of the other protocols, as they are, on what firmware gets. Not line_protocol.c: it
+    # takes strtof for its measure, and newlib's rounds twice.
     lib=$root/target/firmware/thumbv7em-none-eabi
-    for program in contouring gx gx_contour gx_motion gx_host line_conversation line_device line_host; do
+    for program in layout gx_layout line_layout contouring gx gx_streams gx_contour gx_motion gx_host gx_hostile \
+        line_conversation line_encoder line_device line_device_calls line_host line_host_link; do
         quietly arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -std=gnu11 -O1 -ffunction-sections -I "$root/c_tests" \
             -I "$lib/include" --specs=rdimon.specs -nostartfiles -T "$tests/semihost.ld" -Wl,--gc-sections \
             -o "$out/$program.elf" "$tests/semihost.c" "$root/c_tests/$program.c" "$lib/libdeltarobot.a"
