@@ -41,7 +41,8 @@ static inline void check_dump(const char *label, const unsigned char *bytes, siz
     fputc('\n', stderr);
 }
 
-static inline int check_bytes(const void *got, const void *want, size_t count, const char *what, const char *file, int line)
+static inline int check_bytes(const void *got, const void *want, size_t count, const char *what, const char *file,
+                              int line)
 {
     int same = memcmp(got, want, count) == 0;
     ++check_count;

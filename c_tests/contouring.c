@@ -26,7 +26,8 @@ static void send_buffer(const CPPackedVectorCommandBuffer *buffer)
 
 static void a_program_for_the_posted_header(void)
 {
-    static const int32_t path[][2] = {{1000, -1000}, {1001, -1001}, {1064, -1064}, {2000000, -3000000}, {1999937, -2999937}};
+    static const int32_t path[][2] = {
+        {1000, -1000}, {1001, -1001}, {1064, -1064}, {2000000, -3000000}, {1999937, -2999937}};
     CPPackedVectorCommandBuffer buffer;
     CPVectorCommand command, received;
     u_int32_t i;

@@ -1,4 +1,4 @@
-/* controller.h: what is answered to each request in each state, in which order, and what the firmware's functions are asked. */
+/* controller.h: what is answered to each request in each state, in which order, and what the firmware is asked. */
 #include "libdeltarobot/controller.h"
 
 #include "check.h"

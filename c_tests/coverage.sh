@@ -12,12 +12,13 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 version=$(rustc -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p')
 PATH=$(rustc --print sysroot)/lib/rustlib/$host/bin:/usr/lib/llvm-$version/bin:$PATH
 if ! command -v llvm-profdata >/dev/null; then
-    echo "coverage: the tools of LLVM $version are missing (rustup component add llvm-tools, or Debian's llvm-$version)" >&2
+    echo "coverage: no tools of LLVM $version (rustup component add llvm-tools, or Debian's llvm-$version)" >&2
     exit 1
 fi
 rm -rf "$work/unit" "$work/c"
 instrumented() {
-    cargo --config "build.rustflags=['-Cinstrument-coverage']" "$@" --lib --features serial --target "$host" --target-dir "$work"
+    cargo --config "build.rustflags=['-Cinstrument-coverage']" "$@" --lib --features serial --target "$host" \
+        --target-dir "$work"
 }
 
 # lines NAME PROGRAM...: for each line of the sources in each program, how often it ran. Unit tests and C programs are

@@ -50,7 +50,8 @@ static int deliver(void *buf, int bytes, void *usr)
     const int rc = dp_process(&to->received, buf, bytes);
     to->bytes_in += bytes;
     CHECK_INT(rc, DP_RC_SUCCESS);
-    CHECK(unread(*to) == before + std::string(static_cast<const char *>(buf), static_cast<std::string::size_type>(bytes)));
+    const std::string sent(static_cast<const char *>(buf), static_cast<std::string::size_type>(bytes));
+    CHECK(unread(*to) == before + sent);
     return rc;
 }
 

@@ -24,7 +24,8 @@ awk '
     $1 == "time" && $4 == "library" { name[++n] = $2 }
     $1 == "count" { goal[$2] = $3; value[$2, $4] = sprintf("%.1f", $6) }
     function cell(side) { return (name[i], side) in value ? value[name[i], side] : "" }
-    END { for (i = 1; i <= n; i++) printf "| `%s` | %s | %s | %s |\n", name[i], cell("library"), cell("model"), (goal[name[i]] > 0 ? goal[name[i]] : "") }
+    function limit() { return goal[name[i]] > 0 ? goal[name[i]] : "" }
+    END { for (i = 1; i <= n; i++) printf "| `%s` | %s | %s | %s |\n", name[i], cell("library"), cell("model"), limit() }
 ' "$work/figures"
 
 cat <<END

@@ -148,7 +148,7 @@ static void what_is_refused(void)
     CHECK_INT(gx_contour_segment(&contour, NULL, beyond, -1, bytes, sizeof bytes), 3);
 }
 
-/* A circle of a radius of 4000 steps in 628 moves of some 40 steps: the numbers are those of a generator, without libm. */
+/* A circle of a radius of 4000 steps in 628 moves of some 40 steps, turned by a rotation rather than by libm. */
 static int circle(int32_t path[][AXES])
 {
     const int count = 628;

@@ -11,29 +11,9 @@
 #include "gx_reference.h"
 
 #include "check.h"
+#include "gx_receiver.h"
 
 #include <stdlib.h>
-
-/* The library's receiver, of one end or the other. */
-struct receiver {
-    union {
-        struct gx_commands commands;
-        struct gx_notices notices;
-    } of;
-    int host;
-};
-
-static int receive(struct receiver *receiver, const unsigned char *bytes, int count, struct gx_item *item)
-{
-    return receiver->host ? gx_notices_receive(&receiver->of.notices, bytes, count, item)
-                          : gx_commands_receive(&receiver->of.commands, bytes, count, item);
-}
-
-static void idle(struct receiver *receiver, struct gx_item *item)
-{
-    CHECK_INT(receiver->host ? gx_notices_idle(&receiver->of.notices, item) : gx_commands_idle(&receiver->of.commands, item),
-              GX_RC_SUCCESS);
-}
 
 /* Both decoders behind the same bytes, and these, for messages. */
 struct pair {
@@ -109,12 +89,13 @@ static void add(struct set *set, const struct pair *pair)
 
 static void show(const char *who, const struct gx_item *item)
 {
-    fprintf(stderr, "    %s: kind %d, number %u/%u, format %u, code %u, period %u, mask %02x, velocity %u, x %ld\n", who,
-            item->kind, item->number.value, item->number.format, item->format, item->code, item->period, item->vector.mask,
-            item->vector.velocity, (long)item->vector.axes[0]);
+    fprintf(stderr, "    %s: kind %d, number %u/%u, format %u, code %u, period %u, mask %02x, velocity %u, x %ld\n",
+            who, item->kind, item->number.value, item->number.format, item->format, item->code, item->period,
+            item->vector.mask, item->vector.velocity, (long)item->vector.axes[0]);
 }
 
-static void compare(const struct pair *pair, int length, const struct gx_item *ours, const struct gx_item *theirs, int count)
+static void compare(const struct pair *pair, int length, const struct gx_item *ours, const struct gx_item *theirs,
+                    int count)
 {
     int i;
     for (i = 0; i < count; ++i) {
@@ -126,8 +107,9 @@ static void compare(const struct pair *pair, int length, const struct gx_item *o
             show("reference", &theirs[i]);
         }
         /* Nothing is told that could not be meant. */
-        if (ours[i].kind != GX_NONE && (ours[i].number.value > GX_NUMBER_MAX || ours[i].vector.velocity > GX_VELOCITY_MAX ||
-                                        ours[i].code > 127 || ours[i].vector.mask > 127 || ours[i].period > GX_PERIOD_MAX))
+        if (ours[i].kind != GX_NONE &&
+            (ours[i].number.value > GX_NUMBER_MAX || ours[i].vector.velocity > GX_VELOCITY_MAX || ours[i].code > 127 ||
+             ours[i].vector.mask > 127 || ours[i].period > GX_PERIOD_MAX))
             CHECK(!"in range");
     }
 }
@@ -204,9 +186,8 @@ static void in_one_piece(int host, const unsigned char *bytes, int count)
     struct gx_item by_whole, by_each;
     int at = 0, taken, byte = 0;
 
-    memset(&whole, 0, sizeof whole);
-    whole.host = host;
-    each = whole;
+    start(&whole, host);
+    start(&each, host);
     while (at < count) {
         at += receive(&whole, bytes + at, count - at, &by_whole);
         /* Single bytes up to the next item, which comes at the same place. */

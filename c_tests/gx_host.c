@@ -2,9 +2,6 @@
 #include "libdeltarobot/gx_host.h"
 
 #include "check.h"
-#include "wire.h"
-
-#include <limits.h>
 
 static struct gx_host host;
 static unsigned long now;
@@ -408,74 +405,6 @@ static void what_is_not_fetched_stops_the_line(void)
     CHECK_INT(event.position.axes[0], 2);
 }
 
-static void hostile(void)
-{
-    unsigned long seed = 99;
-    unsigned char bytes[64], out[128];
-    int32_t target[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
-    int round, i;
-
-    CHECK_INT(gx_host_init(NULL, NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_init(&host, NULL), GX_RC_SUCCESS);
-    CHECK_INT(gx_host_move(NULL, target, 1, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, NULL, 1, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 0, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 0x20, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 0x40, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, -1, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, INT_MAX, 1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 1, -2), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 1, GX_VELOCITY_MAX + 1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_move(&host, target, 1, INT_MAX), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_unfinished(&host), 0);
-    for (i = 0; i < GX_WINDOW_MAX; ++i)
-        CHECK_INT(gx_host_move(&host, target, 0x1F, GX_VELOCITY_MAX), GX_RC_SUCCESS);
-    CHECK_INT(gx_host_move(&host, target, 0x1F, -1), GX_RC_BUSY);
-    CHECK_INT(gx_host_report(NULL, 1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_report(&host, -1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_report(&host, GX_PERIOD_MAX + 1), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_receive(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_receive(&host, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_receive(&host, NULL, 0, 0), 0);
-    CHECK_INT(gx_host_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_poll(&host, 0, NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_output(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_output(&host, out, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_host_output(&host, NULL, 0, 0), 0);
-    CHECK_INT(gx_host_next_deadline(NULL, 0), -1);
-    CHECK_INT(gx_host_unfinished(NULL), 0);
-    CHECK(gx_host_get_health(NULL) == NULL);
-
-    /* Memory that holds anything at all, and bytes of the alphabet: no call goes wrong or goes on for ever. */
-    for (round = 0; round < 3000; ++round) {
-        static const char ALPHABET[] = "\x81\x83\x80\xFF\xAA\xD5\xD6###?!=0123 xyzc\n\r-+";
-        int step;
-        if (round % 3 == 0)
-            wire_random_bytes(&seed, &host, sizeof host);
-        else if (round % 3 == 1)
-            memset(&host, round % 2 ? 0xFF : 0, sizeof host);
-        for (step = 0; step < 20; ++step) {
-            int count = (int)(wire_random(&seed) % 64), taken;
-            for (i = 0; i < count; ++i)
-                bytes[i] = (unsigned char)ALPHABET[wire_random(&seed) % (sizeof ALPHABET - 1)];
-            taken = gx_host_receive(&host, bytes, count, now);
-            CHECK(taken >= 0 && taken <= count);
-            for (i = 0; i < 600 && gx_host_poll(&host, now, &event) == GX_RC_SUCCESS; ++i)
-                ;
-            CHECK(i < 600);
-            gx_host_move(&host, target, 1 + step % 31, step % 4 ? -1 : step);
-            if (step % 7 == 0)
-                gx_host_report(&host, step);
-            taken = gx_host_output(&host, out, (int)(wire_random(&seed) % 128), now);
-            CHECK(taken >= 0 && taken <= 128);
-            CHECK(gx_host_next_deadline(&host, now) >= -1);
-            now += wire_random(&seed) % 2000;
-        }
-    }
-}
-
 int main(void)
 {
     if (GX_WINDOW_MAX >= 6)
@@ -494,6 +423,5 @@ int main(void)
     a_move_that_lasts_too_long_times_out();
     strays_change_nothing();
     what_is_not_fetched_stops_the_line();
-    hostile();
     return check_summary("gx_host");
 }

@@ -2,9 +2,6 @@
 #include "libdeltarobot/gx_motion.h"
 
 #include "check.h"
-#include "wire.h"
-
-#include <limits.h>
 
 static struct gx_motion motion;
 static unsigned long now;
@@ -473,65 +470,6 @@ static void half_a_command_is_given_up(void)
     now = 0;
 }
 
-static void hostile(void)
-{
-    unsigned long seed = 77;
-    unsigned char bytes[64], out[64];
-    struct gx_vector move = {0, 0, {0}};
-    int round, number;
-
-    CHECK_INT(gx_motion_init(NULL, NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_init(&motion, NULL), GX_RC_SUCCESS);
-    CHECK_INT(gx_motion_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_receive(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_receive(&motion, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_receive(&motion, bytes, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_receive(&motion, NULL, 0, 0), 0);
-    CHECK_INT(gx_motion_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_poll(&motion, 0, NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_next(NULL, &move, &number), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_next(&motion, NULL, &number), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_done(NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_stop(NULL, 0), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_set_position(NULL, move.axes), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_set_position(&motion, NULL), GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_output(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_output(&motion, out, -1, 0), -GX_RC_ERROR_GENERIC);
-    CHECK_INT(gx_motion_output(&motion, NULL, 0, 0), 0);
-    CHECK_INT(gx_motion_next_deadline(NULL, 0), -1);
-    CHECK_INT(gx_motion_unfinished(NULL), 0);
-    CHECK(gx_motion_get_health(NULL) == NULL);
-
-    /* Memory that holds anything at all, and bytes of the alphabet: no call goes wrong or goes on for ever. */
-    for (round = 0; round < 3000; ++round) {
-        static const char ALPHABET[] = "\x1B\x81\x83\x80\xFF\xC1#!*~R0123V xyzc\n\r?=-+";
-        int i, step;
-        if (round % 3 == 0)
-            wire_random_bytes(&seed, &motion, sizeof motion);
-        else if (round % 3 == 1)
-            memset(&motion, round % 2 ? 0xFF : 0, sizeof motion);
-        for (step = 0; step < 20; ++step) {
-            int count = (int)(wire_random(&seed) % 64), taken;
-            for (i = 0; i < count; ++i)
-                bytes[i] = (unsigned char)ALPHABET[wire_random(&seed) % (sizeof ALPHABET - 1)];
-            taken = gx_motion_receive(&motion, bytes, count, now);
-            CHECK(taken >= 0 && taken <= count);
-            for (i = 0; i < 64 && gx_motion_poll(&motion, now, &event) == GX_RC_SUCCESS; ++i)
-                ;
-            CHECK(i < 64);
-            if (step % 3 == 0 && gx_motion_next(&motion, &move, &number) == GX_RC_SUCCESS)
-                gx_motion_done(&motion);
-            if (step % 7 == 0)
-                gx_motion_set_position(&motion, move.axes);
-            taken = gx_motion_output(&motion, out, (int)(wire_random(&seed) % 64), now);
-            CHECK(taken >= 0 && taken <= 64);
-            CHECK(gx_motion_next_deadline(&motion, now) >= -1);
-            now += wire_random(&seed) % 2000;
-        }
-    }
-}
-
 int main(void)
 {
     /* What these queue has to fit. */
@@ -551,6 +489,5 @@ int main(void)
     a_full_queue_refuses();
     positions_are_reported_periodically();
     half_a_command_is_given_up();
-    hostile();
     return check_summary("gx_motion");
 }

@@ -124,7 +124,8 @@ static enum verdict read_packed(const unsigned char *bytes, int count, struct gx
 }
 
 /* Words up to the end of the line. */
-static enum verdict read_words(const struct reference *reader, const unsigned char *bytes, int count, struct gx_item *item)
+static enum verdict read_words(const struct reference *reader, const unsigned char *bytes, int count,
+                               struct gx_item *item)
 {
     static const char order[] = "xyzabcVR";
     int at = 0, seen = 0, reporting = 0;
@@ -169,7 +170,8 @@ static enum verdict read_words(const struct reference *reader, const unsigned ch
     return complete(item, reporting ? GX_REPORTING : reader->host ? GX_POSITION : GX_MOVE, GX_ASCII);
 }
 
-static enum verdict read_command(const struct reference *reader, const unsigned char *bytes, int count, struct gx_item *item)
+static enum verdict read_command(const struct reference *reader, const unsigned char *bytes, int count,
+                                 struct gx_item *item)
 {
     if (count == 0)
         return INCOMPLETE;
@@ -218,8 +220,8 @@ static enum verdict read_refusal(const unsigned char *bytes, int count, struct g
 }
 
 /* numbered: a number came before. */
-static enum verdict read_notice(const struct reference *reader, const unsigned char *bytes, int count, struct gx_item *item,
-                                int numbered)
+static enum verdict read_notice(const struct reference *reader, const unsigned char *bytes, int count,
+                                struct gx_item *item, int numbered)
 {
     if (count == 0)
         return INCOMPLETE;
@@ -295,7 +297,7 @@ static enum verdict read_kept(const struct reference *reader, struct gx_item *it
     return read_command(reader, bytes + at, count - at, item);
 }
 
-/* Where a byte goes on that is no part of something malformed. Returns whether it is to be read as the first of the next. */
+/* A byte that is no part of something malformed. Returns whether it is to be read as the first of what comes next. */
 static int resume(struct reference *reader, unsigned char byte, int packed)
 {
     reader->count = 0;

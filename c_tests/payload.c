@@ -1,4 +1,4 @@
-/* payload.h: every message of the specification built, sent, received and read; both layouts of the status report; texts. */
+/* payload.h: each message of the specification built, sent, received and read; both layouts of the report; texts. */
 #include "libdeltarobot/payload.h"
 
 #include "check.h"

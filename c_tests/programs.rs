@@ -48,8 +48,10 @@ in_every_mode! {
     gx_channel: Program::c99("gx_channel", &["gx_channel.c"]).family(Family::Gx).slowly(&["300"]);
     gx_contour: Program::c99("gx_contour", &["gx_contour.c"]).family(Family::Gx);
     gx_host: Program::c99("gx_host", &["gx_host.c"]).family(Family::Gx);
+    gx_hostile: Program::c99("gx_hostile", &["gx_hostile.c"]).family(Family::Gx);
     gx_layout: Program::c99("gx_layout", &["gx_layout.c"]).language(Language::C11).family(Family::Gx);
     gx_motion: Program::c99("gx_motion", &["gx_motion.c"]).family(Family::Gx);
+    gx_streams: Program::c99("gx_streams", &["gx_streams.c"]).family(Family::Gx);
     host_link: Program::c99("host_link", &["host_link.c"]);
     host_session: Program::c99("host_session", &["host_session.c"]);
     hostile: Program::c99("hostile", &["hostile.c"]);

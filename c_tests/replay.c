@@ -331,8 +331,8 @@ static void check_totals(void)
     if (is_exact() || kind == OVERFLOW_KIND)
         return;
     if (totals.subsequences * 100 < totals.traces * NOISE_SUBSEQUENCE_PERCENT && mismatch())
-        fprintf(stderr, "the recorded frames are a subsequence in %d of %d traces, expected %d %%\n", totals.subsequences,
-                totals.traces, NOISE_SUBSEQUENCE_PERCENT);
+        fprintf(stderr, "the recorded frames are a subsequence in %d of %d traces, expected %d %%\n",
+                totals.subsequences, totals.traces, NOISE_SUBSEQUENCE_PERCENT);
 }
 
 static void replay_line(char *line)
@@ -386,8 +386,8 @@ static void replay_file(const char *path)
     fclose(file);
     finish_trace();
     check_totals();
-    printf("replay: %s: %d traces, %d calls, %d frames recorded, %d delivered, subsequence in %d, %d mismatches\n", path,
-           totals.traces, totals.calls, totals.recorded, totals.delivered, totals.subsequences, mismatches - before);
+    printf("replay: %s: %d traces, %d calls, %d frames recorded, %d delivered, subsequence in %d, %d mismatches\n",
+           path, totals.traces, totals.calls, totals.recorded, totals.delivered, totals.subsequences, mismatches - before);
 }
 
 int main(int argc, char **argv)

@@ -91,7 +91,8 @@ static void settings_are_those_of_the_link(void)
     static const struct {
         unsigned long baud;
         speed_t speed;
-    } speeds[] = {{0, B115200}, {DP_SERIAL_BAUD, B115200}, {1200, B1200}, {9600, B9600}, {57600, B57600}, {230400, B230400}};
+    } speeds[] = {{0, B115200},  {DP_SERIAL_BAUD, B115200}, {1200, B1200},
+                  {9600, B9600}, {57600, B57600},           {230400, B230400}};
     struct pair pair;
     size_t i;
 

@@ -159,8 +159,8 @@ __attribute__((noinline)) static int plain_command(char *buf, int cap)
 
 __attribute__((noinline)) static int plain_event(char *buf, int cap)
 {
-    return snprintf(buf, (size_t)cap, "c=heaterinfo&temp=%.2f&desiredtemp=%.2f&state=%d&id=%s&t=%d\n", 131.71f, -1000.0f,
-                    0, "M1F910", 13);
+    return snprintf(buf, (size_t)cap, "c=heaterinfo&temp=%.2f&desiredtemp=%.2f&state=%d&id=%s&t=%d\n", 131.71f,
+                    -1000.0f, 0, "M1F910", 13);
 }
 
 static void build(int (*one)(char *, int))

@@ -1,4 +1,4 @@
-/* A firmware that uses a part of the library. It has functions of its own which it must keep, and which the library must not use. */
+/* A firmware that uses a part of the library. It must keep functions of its own, which the library must not use. */
 #ifdef OLD_HEADER
 /* As compiled with the original's header, whose names tell no sizes. */
 struct protocol_msg {

@@ -13,12 +13,13 @@ prefix=
 for prefix; do :; done
 prefix=${prefix%gcc}
 newlib=
+nosys="--specs=nano.specs --specs=nosys.specs"
 nostdlib=-nostdlib
 case $target in
-    thumbv6m*) arch="-mthumb -mcpu=cortex-m0" newlib="--specs=nano.specs --specs=nosys.specs" ;;
-    thumbv7m*) arch="-mthumb -mcpu=cortex-m3" newlib="--specs=nano.specs --specs=nosys.specs" ;;
-    thumbv7em*eabi) arch="-mthumb -mcpu=cortex-m4 -mfloat-abi=soft" newlib="--specs=nano.specs --specs=nosys.specs" ;;
-    thumbv7em*hf) arch="-mthumb -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16" newlib="--specs=nano.specs --specs=nosys.specs" ;;
+    thumbv6m*) arch="-mthumb -mcpu=cortex-m0" newlib=$nosys ;;
+    thumbv7m*) arch="-mthumb -mcpu=cortex-m3" newlib=$nosys ;;
+    thumbv7em*eabi) arch="-mthumb -mcpu=cortex-m4 -mfloat-abi=soft" newlib=$nosys ;;
+    thumbv7em*hf) arch="-mthumb -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16" newlib=$nosys ;;
     riscv32*) arch="-march=rv32imc -mabi=ilp32" ;;
     avr-none) arch="-mmcu=${MCU:-atmega2560}" newlib=" " ;;
 esac

@@ -15,8 +15,8 @@ mcu=${MCU:-atmega2560}
 mkdir -p "$out"
 
 for tool in arm-none-eabi-gcc avr-gcc riscv64-unknown-elf-gcc qemu-system-arm timeout; do
-    command -v $tool >/dev/null || { echo "$what: $tool is missing (Debian: apt install gcc-arm-none-eabi gcc-avr avr-libc" \
-        "gcc-riscv64-unknown-elf qemu-system-arm libsimavr-dev libelf-dev)" >&2; exit 1; }
+    command -v $tool >/dev/null || { echo "$what: $tool is missing (Debian: apt install gcc-arm-none-eabi gcc-avr" \
+        "avr-libc gcc-riscv64-unknown-elf qemu-system-arm libsimavr-dev libelf-dev)" >&2; exit 1; }
 done
 
 ${CC:-cc} -std=gnu99 -O2 -Wall -Wextra -Wpedantic -Werror -I "$HOST_LIB/include" -o "$out/host" "$tests/host.c" \
@@ -122,7 +122,9 @@ else
     }
     lines() {
         timeout 100 "$@" 2>"$out/log" >"$out/bench/table" </dev/null || true
-        grep -q '^done' "$out/bench/table" || { cat "$out/log" "$out/bench/table" >&2; echo "bench: it did not end" >&2; exit 1; }
+        grep -q '^done' "$out/bench/table" || {
+            cat "$out/log" "$out/bench/table" >&2; echo "bench: it did not end" >&2; exit 1
+        }
         sed '/^done/d' "$out/bench/table"
     }
     for row in "thumbv6m-none-eabi cortex-m0" "thumbv7em-none-eabi cortex-m4"; do
@@ -130,8 +132,8 @@ else
         set -- $row
         measure "$1" arm-none-eabi- "-mcpu=$2" -mthumb
         # shellcheck disable=SC2086
-        quietly arm-none-eabi-gcc "-mcpu=$2" -mthumb -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes -I "$lib/include" \
-            -nostartfiles --specs=nano.specs -T "$example/tm4c/link.ld" -Wl,--gc-sections -o "$out/bench/$1.elf" \
+        quietly arm-none-eabi-gcc "-mcpu=$2" -mthumb -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes \
+            -I "$lib/include" -nostartfiles --specs=nano.specs -T "$example/tm4c/link.ld" -Wl,--gc-sections -o "$out/bench/$1.elf" \
             "$example/tm4c/startup.c" "$example/tm4c/board.c" "$tests/bench.c" "$out/bench/small.o" "$out/bench/fast.o" \
             "$lib/libdeltarobot.a"
         echo "$1 ($2)"
@@ -140,8 +142,8 @@ else
     done
     measure avr-none avr- "-mmcu=$mcu"
     # shellcheck disable=SC2086
-    quietly avr-gcc "-mmcu=$mcu" -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes -I "$lib/include" -Wl,--gc-sections \
-        -o "$out/bench/avr.elf" "$example/avr/board.c" "$tests/bench.c" "$out/bench/small.o" "$out/bench/fast.o" \
+    quietly avr-gcc "-mmcu=$mcu" -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes -I "$lib/include" \
+        -Wl,--gc-sections -o "$out/bench/avr.elf" "$example/avr/board.c" "$tests/bench.c" "$out/bench/small.o" "$out/bench/fast.o" \
         "$lib/libdeltarobot.a"
     echo "avr-none ($mcu)"
     lines "$out/simavr_run" "$mcu" "$out/bench/avr.elf" mute

@@ -1,0 +1,176 @@
+/*
+ * gx_host.h and gx_motion.h, given what nobody should give: arguments out of range, and memory that holds anything at
+ * all while bytes of the alphabet come in. No call goes wrong or goes on for ever.
+ */
+#include "libdeltarobot/gx_host.h"
+#include "libdeltarobot/gx_motion.h"
+
+#include "check.h"
+#include "wire.h"
+
+#include <limits.h>
+
+enum { ROUNDS = 3000, STEPS = 20 };
+
+static struct gx_host host;
+static struct gx_motion motion;
+static unsigned long seed = 99, now;
+static unsigned char bytes[64], out[128];
+
+/* A third of the rounds goes on with what the one before has left. */
+static void overwrite(void *object, size_t size, int round)
+{
+    if (round % 3 == 0)
+        wire_random_bytes(&seed, object, size);
+    else if (round % 3 == 1)
+        memset(object, round % 2 ? 0xFF : 0, size);
+}
+
+static int some_bytes(const char *alphabet, int letters)
+{
+    int count = (int)(wire_random(&seed) % sizeof bytes), i;
+    for (i = 0; i < count; ++i)
+        bytes[i] = (unsigned char)alphabet[wire_random(&seed) % (unsigned)letters];
+    return count;
+}
+
+static int some_room(void)
+{
+    return (int)(wire_random(&seed) % sizeof out);
+}
+
+static void arguments_of_the_host(void)
+{
+    struct gx_host_event event;
+    int32_t target[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
+    int i;
+
+    CHECK_INT(gx_host_init(NULL, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_init(&host, NULL), GX_RC_SUCCESS);
+    CHECK_INT(gx_host_move(NULL, target, 1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, NULL, 1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0x20, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 0x40, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, -1, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, INT_MAX, 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, -2), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, GX_VELOCITY_MAX + 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_move(&host, target, 1, INT_MAX), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_unfinished(&host), 0);
+    for (i = 0; i < GX_WINDOW_MAX; ++i)
+        CHECK_INT(gx_host_move(&host, target, 0x1F, GX_VELOCITY_MAX), GX_RC_SUCCESS);
+    CHECK_INT(gx_host_move(&host, target, 0x1F, -1), GX_RC_BUSY);
+    CHECK_INT(gx_host_report(NULL, 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_report(&host, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_report(&host, GX_PERIOD_MAX + 1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_receive(&host, NULL, 0, 0), 0);
+    CHECK_INT(gx_host_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_poll(&host, 0, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, out, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_output(&host, NULL, 0, 0), 0);
+    CHECK_INT(gx_host_next_deadline(NULL, 0), -1);
+    CHECK_INT(gx_host_unfinished(NULL), 0);
+    CHECK(gx_host_get_health(NULL) == NULL);
+}
+
+static void a_host_in_any_memory(void)
+{
+    static const char ALPHABET[] = "\x81\x83\x80\xFF\xAA\xD5\xD6###?!=0123 xyzc\n\r-+";
+    static const int32_t TARGET[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
+    struct gx_host_event event;
+    int round, step, count, done, events;
+
+    for (round = 0; round < ROUNDS; ++round) {
+        overwrite(&host, sizeof host, round);
+        for (step = 0; step < STEPS; ++step) {
+            count = some_bytes(ALPHABET, sizeof ALPHABET - 1);
+            done = gx_host_receive(&host, bytes, count, now);
+            CHECK(done >= 0 && done <= count);
+            for (events = 0; events < 600 && gx_host_poll(&host, now, &event) == GX_RC_SUCCESS; ++events)
+                continue;
+            CHECK(events < 600);
+            gx_host_move(&host, TARGET, 1 + step % 31, step % 4 ? -1 : step);
+            if (step % 7 == 0)
+                gx_host_report(&host, step);
+            count = some_room();
+            done = gx_host_output(&host, out, count, now);
+            CHECK(done >= 0 && done <= count);
+            CHECK(gx_host_next_deadline(&host, now) >= -1);
+            now += wire_random(&seed) % 2000;
+        }
+    }
+}
+
+static void arguments_of_the_motion_side(void)
+{
+    struct gx_motion_event event;
+    struct gx_vector move = {0, 0, {0}};
+    int number;
+
+    CHECK_INT(gx_motion_init(NULL, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_init(&motion, NULL), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_receive(NULL, bytes, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, bytes, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, bytes, INT_MIN, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_receive(&motion, NULL, 0, 0), 0);
+    CHECK_INT(gx_motion_poll(NULL, 0, &event), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_poll(&motion, 0, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_next(NULL, &move, &number), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_next(&motion, NULL, &number), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_done(NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_stop(NULL, 0), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_set_position(NULL, move.axes), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_set_position(&motion, NULL), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(NULL, out, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, NULL, 1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, out, -1, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_output(&motion, NULL, 0, 0), 0);
+    CHECK_INT(gx_motion_next_deadline(NULL, 0), -1);
+    CHECK_INT(gx_motion_unfinished(NULL), 0);
+    CHECK(gx_motion_get_health(NULL) == NULL);
+}
+
+static void a_motion_side_in_any_memory(void)
+{
+    static const char ALPHABET[] = "\x1B\x81\x83\x80\xFF\xC1#!*~R0123V xyzc\n\r?=-+";
+    struct gx_motion_event event;
+    struct gx_vector move = {0, 0, {0}};
+    int round, step, count, done, events, number;
+
+    for (round = 0; round < ROUNDS; ++round) {
+        overwrite(&motion, sizeof motion, round);
+        for (step = 0; step < STEPS; ++step) {
+            count = some_bytes(ALPHABET, sizeof ALPHABET - 1);
+            done = gx_motion_receive(&motion, bytes, count, now);
+            CHECK(done >= 0 && done <= count);
+            for (events = 0; events < 64 && gx_motion_poll(&motion, now, &event) == GX_RC_SUCCESS; ++events)
+                continue;
+            CHECK(events < 64);
+            if (step % 3 == 0 && gx_motion_next(&motion, &move, &number) == GX_RC_SUCCESS)
+                gx_motion_done(&motion);
+            if (step % 7 == 0)
+                gx_motion_set_position(&motion, move.axes);
+            count = some_room();
+            done = gx_motion_output(&motion, out, count, now);
+            CHECK(done >= 0 && done <= count);
+            CHECK(gx_motion_next_deadline(&motion, now) >= -1);
+            now += wire_random(&seed) % 2000;
+        }
+    }
+}
+
+int main(void)
+{
+    arguments_of_the_host();
+    a_host_in_any_memory();
+    arguments_of_the_motion_side();
+    a_motion_side_in_any_memory();
+    return check_summary("gx_hostile");
+}
