@@ -59,9 +59,12 @@ static int chance(unsigned per_10000)
     return per_10000 != 0 && below(10000) < per_10000;
 }
 
+/* Where unsigned long has more than 32 bits, the upper ones mean nothing. */
 static unsigned long clock_ms(void)
 {
-    return (clock_start + now) & 0xFFFFFFFFul;
+    static unsigned long calls;
+    unsigned long upper = ++calls;
+    return ((clock_start + now) & 0xFFFFFFFFul) | upper << 16 << 16;
 }
 
 /* --- the lines --- */
@@ -134,6 +137,17 @@ static void arrive(Line *line, int cap, int (*receive)(const unsigned char *byte
         fetch();
     } while (length > 0 && !wrong);
 }
+
+/* Objects have no pointers to themselves: now and then, one goes on in another place. */
+#define MOVE_AT_TIMES(object, places)                                                                                  \
+    do {                                                                                                               \
+        if (below(16) == 0) {                                                                                          \
+            int moved_to = (object) == (places);                                                                       \
+            (places)[moved_to] = *(object);                                                                            \
+            memset((object), 0xDB, sizeof *(object));                                                                  \
+            (object) = (places) + moved_to;                                                                            \
+        }                                                                                                              \
+    } while (0)
 
 /* --- time --- */
 

@@ -300,8 +300,36 @@ static void bad_arguments_are_refused(void)
     CHECK_INT(dp_controller_poll(&controller), DP_RC_ERROR_GENERIC);
 }
 
+/* What the controller keeps for itself is overwritten by anything: it answers, touches nothing else, and ends. */
+static void any_memory(void)
+{
+    static const char OPCODES[] = "HSMC" DP_PROTO_ALL_OPCODES;
+    unsigned long seed = 13;
+    int round, step, polls;
+
+    for (round = 0; round < 2000; ++round) {
+        begin(round % 3, round % 8);
+        wire_random_bytes(&seed, &controller.dispatcher, sizeof controller.dispatcher);
+        if (round % 2) {
+            wire_random_bytes(&seed, &controller.layout, sizeof controller.layout);
+            wire_random_bytes(&seed, &controller.flags, sizeof controller.flags);
+        }
+        for (step = 0; step < 10; ++step) {
+            unsigned char frame[WIRE_FRAME_MAX];
+            int length = wire_frame(frame, OPCODES[wire_random(&seed) % (sizeof OPCODES - 1)], THERE, step % 2 ? 12 : 0);
+            int rc = dp_controller_receive(&controller, frame, length);
+            CHECK(rc == DP_RC_SUCCESS || rc == DP_RC_OVERFLOW);
+            robot.state = (int)(wire_random(&seed) % 4);
+            for (polls = 0; polls < DP_BUFSIZE && dp_controller_poll_idle(&controller) == DP_RC_SUCCESS; ++polls)
+                story[0] = '\0';
+            CHECK(polls < DP_BUFSIZE);
+        }
+    }
+}
+
 int main(void)
 {
+    any_memory();
     answers_like_shipped_firmware();
     repeated_requests_start_nothing();
     refuses_when_busy();

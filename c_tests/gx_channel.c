@@ -24,7 +24,7 @@ enum {
     BOUND_MS = 400000 /* by when a run has to be over */
 };
 
-static struct gx_host host;
+static struct gx_host hosts[2], *host = hosts;
 static struct gx_host_settings host_settings;
 
 static long finished, refused, failed, dropped, timed_out, lost, restarts;
@@ -64,10 +64,10 @@ static void user_requests(void)
                 request->target[i] = from + (big ? (int32_t)below(7000) - 3500 : (int32_t)below(141) - 70);
         }
     }
-    rc = gx_host_move(&host, request->target, request->axes, request->velocity);
+    rc = gx_host_move(host, request->target, request->axes, request->velocity);
     HOLDS((rc == GX_RC_BUSY) == (requested - user.told >= GX_WINDOW_MAX), "room or not");
     requested += rc == GX_RC_SUCCESS;
-    HOLDS(gx_host_unfinished(&host) == requested - user.told, "how many are unfinished");
+    HOLDS(gx_host_unfinished(host) == requested - user.told, "how many are unfinished");
 }
 
 static void user_acts(void)
@@ -76,7 +76,7 @@ static void user_acts(void)
     while (times-- > 0)
         user_requests();
     if (below(8) == 0)
-        CHECK_INT(gx_host_report(&host, below(2) ? 0 : 30 + (int)below(400)), GX_RC_SUCCESS);
+        CHECK_INT(gx_host_report(host, below(2) ? 0 : 30 + (int)below(400)), GX_RC_SUCCESS);
 }
 
 static void move_ended(const struct gx_host_event *event)
@@ -129,8 +129,8 @@ static void move_ended(const struct gx_host_event *event)
 
 static void begin_host(void)
 {
-    memset(&host, 0xA5, sizeof host);
-    CHECK_INT(gx_host_init(&host, &host_settings), GX_RC_SUCCESS);
+    memset(host, 0xA5, sizeof *host);
+    CHECK_INT(gx_host_init(host, &host_settings), GX_RC_SUCCESS);
     gx_notices_init(&to_host.notices);
     numbers.next = user.told;
 }
@@ -147,7 +147,7 @@ static void fault_happens(void)
         break;
     case 1:
         stop_machine();
-        CHECK_INT(gx_motion_stop(&motion, below(2) ? 0 : 99), GX_RC_SUCCESS);
+        CHECK_INT(gx_motion_stop(motion, below(2) ? 0 : 99), GX_RC_SUCCESS);
         break;
     case 2:
         /* What was requested before is nobody's any more. */
@@ -209,7 +209,7 @@ static void host_sent(const unsigned char *bytes, int size)
 
 static int host_receives(const unsigned char *bytes, int count)
 {
-    int taken = gx_host_receive(&host, bytes, count, clock_ms());
+    int taken = gx_host_receive(host, bytes, count, clock_ms());
     read_beside(&to_host, bytes, taken);
     return taken;
 }
@@ -217,14 +217,14 @@ static int host_receives(const unsigned char *bytes, int count)
 static void host_tells(void)
 {
     struct gx_host_event event;
-    while (gx_host_poll(&host, clock_ms(), &event) == GX_RC_SUCCESS)
+    while (gx_host_poll(host, clock_ms(), &event) == GX_RC_SUCCESS)
         if (event.kind == GX_HOST_ENDED)
             move_ended(&event);
 }
 
 static int host_output(void *out, int cap)
 {
-    return gx_host_output(&host, out, cap, clock_ms());
+    return gx_host_output(host, out, cap, clock_ms());
 }
 
 /* What another host, which numbers as it pleases, was told and has not fetched: the numbers this one begins with. */
@@ -305,6 +305,8 @@ static void run_once(unsigned long run)
             fault_happens();
             next_fault = now + 300 + below(8000);
         }
+        MOVE_AT_TIMES(host, hosts);
+        MOVE_AT_TIMES(motion, motions);
         arrive(&down, 1 + (int)below(100), motion_receives, motion_does);
         arrive(&up, 1 + (int)below(100), host_receives, host_tells);
         while ((size = least_output(host_output, out)) > 0)
@@ -312,19 +314,19 @@ static void run_once(unsigned long run)
         idle_beside();
         HOLDS(now < BOUND_MS, "a request does not end");
         if (wrong || (user.told == REQUESTS && !up.count && !down.count && !machine.count &&
-                      gx_motion_unfinished(&motion) == 0 && gx_host_unfinished(&host) == 0))
+                      gx_motion_unfinished(motion) == 0 && gx_host_unfinished(host) == 0))
             break;
 
         next = next_act;
-        earlier_deadline(&next, gx_host_next_deadline(&host, clock_ms()));
-        earlier_deadline(&next, gx_motion_next_deadline(&motion, clock_ms()));
+        earlier_deadline(&next, gx_host_next_deadline(host, clock_ms()));
+        earlier_deadline(&next, gx_motion_next_deadline(motion, clock_ms()));
         if (machine.count)
             earlier(&next, machine.ends);
         if (faulty)
             earlier(&next, next_fault);
         go_on(next);
     }
-    repeats += (long)gx_host_get_health(&host)->repeats;
+    repeats += (long)gx_host_get_health(host)->repeats;
     for (i = 0; i < GX_AXES && user.bad == 0 && machine.faults == 0; ++i)
         if (user.known >> i & 1)
             HOLDS(user.at[i] == machine.at[i], "the machine is elsewhere");

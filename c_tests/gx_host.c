@@ -405,8 +405,21 @@ static void what_is_not_fetched_stops_the_line(void)
     CHECK_INT(event.position.axes[0], 2);
 }
 
+static void all_zero_is_a_session(void)
+{
+    memset(&host, 0, sizeof host);
+    now = 0;
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+    move(1, 0, 1, -1);
+    CHECK_INT(gx_host_next_deadline(&host, now), 0);
+    nothing_happens();
+    SAYS("\x1B#\x80\x80~\x80\x80");
+    CHECK_INT(gx_host_next_deadline(&host, now), 250);
+}
+
 int main(void)
 {
+    all_zero_is_a_session();
     if (GX_WINDOW_MAX >= 6)
         moves_take_the_shortest_form();
     if (GX_WINDOW_MAX >= 2)

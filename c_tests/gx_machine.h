@@ -25,7 +25,7 @@ static struct {
     int next;
 } numbers;
 
-static struct gx_motion motion;
+static struct gx_motion motions[2], *motion = motions;
 static struct gx_motion_settings motion_settings;
 static int silenced; /* whether moves of an earlier session are carried out */
 
@@ -75,7 +75,7 @@ static void fetch_move(void)
     int number, i, index = 0;
     Request *request = requests;
 
-    if (gx_motion_next(&motion, &move, &number) != GX_RC_SUCCESS)
+    if (gx_motion_next(motion, &move, &number) != GX_RC_SUCCESS)
         return;
     while (index < requested && (!request->accepted || !request->axes || request->fetched || request->stopped)) {
         ++index;
@@ -116,7 +116,7 @@ static void machine_runs(void)
                 machine.at[i] = machine.ahead[0].axes[i];
         if (machine.requests[0] >= 0)
             requests[machine.requests[0]].done = 1;
-        CHECK_INT(gx_motion_done(&motion), GX_RC_SUCCESS);
+        CHECK_INT(gx_motion_done(motion), GX_RC_SUCCESS);
         --machine.count;
         for (i = 0; i < machine.count; ++i) {
             machine.ahead[i] = machine.ahead[i + 1];
@@ -127,7 +127,7 @@ static void machine_runs(void)
         else
             start_move();
     }
-    CHECK_INT(gx_motion_set_position(&motion, machine.at), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_set_position(motion, machine.at), GX_RC_SUCCESS);
 }
 
 /* What an end has to say now, the least that something fits in: few things at a time, which share a fate. */
@@ -160,14 +160,14 @@ static void motion_sent(const unsigned char *bytes, int size)
 
 static int motion_receives(const unsigned char *bytes, int count)
 {
-    int taken = gx_motion_receive(&motion, bytes, count, clock_ms());
+    int taken = gx_motion_receive(motion, bytes, count, clock_ms());
     read_beside(&to_motion, bytes, taken);
     return taken;
 }
 
 static int motion_output(void *out, int cap)
 {
-    return gx_motion_output(&motion, out, cap, clock_ms());
+    return gx_motion_output(motion, out, cap, clock_ms());
 }
 
 static void motion_does(void)
@@ -176,10 +176,10 @@ static void motion_does(void)
     unsigned char out[GX_ENCODED_MAX];
     int size;
 
-    while (gx_motion_poll(&motion, clock_ms(), &event) == GX_RC_SUCCESS) {
+    while (gx_motion_poll(motion, clock_ms(), &event) == GX_RC_SUCCESS) {
         if (event.kind == GX_MOTION_QUEUED)
             accepted(event.number);
-        else if (event.kind == GX_MOTION_BEGUN && gx_motion_unfinished(&motion) > 0)
+        else if (event.kind == GX_MOTION_BEGUN && gx_motion_unfinished(motion) > 0)
             silenced = 1;
     }
     machine_runs();
@@ -189,8 +189,8 @@ static void motion_does(void)
 
 static void init_motion(void)
 {
-    memset(&motion, 0x5A, sizeof motion);
-    CHECK_INT(gx_motion_init(&motion, &motion_settings), GX_RC_SUCCESS);
+    memset(motion, 0x5A, sizeof *motion);
+    CHECK_INT(gx_motion_init(motion, &motion_settings), GX_RC_SUCCESS);
     machine.velocity = -1;
     gx_commands_init(&to_motion.commands); /* what it was receiving is gone too */
 }

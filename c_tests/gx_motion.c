@@ -205,18 +205,9 @@ static void numbers_count_in_a_session(int only_in_order)
 static void nothing_else_begins_a_session(void)
 {
     static const char *const NO_OPENINGS[] = {
-        "#1R0\n",
-        "#1R0\n#1R0\n",
-        "#1R0\n#5461R0\n#5463R0\n",
-        "#5462R0\n#1R0\n",
-        "#1R0\nx0\n#5462R0\n",
-        "#1R0\n#2x0\n#5462R0\n",
-        "#1R0\nR0\n#5462R0\n",
-        "#1R0\n#7R0\n#5462R0\n",
-        "#1R0\n\x1B\x1B#5462R0\n",
-        "#1x0\n#5462x0\n",
-        "#1R0\nR0\n#5462x0\n",
-        "R0\n#5461R0\n"
+        "#1R0\n", "#1R0\n#1R0\n", "#1R0\n#5461R0\n#5463R0\n", "#5462R0\n#1R0\n", "#1R0\nx0\n#5462R0\n",
+        "#1R0\n#2x0\n#5462R0\n", "#1R0\nR0\n#5462R0\n", "#1R0\n#7R0\n#5462R0\n", "#1R0\n\x1B\x1B#5462R0\n",
+        "#1x0\n#5462x0\n", "#1R0\nR0\n#5462x0\n", "R0\n#5461R0\n"
     };
     unsigned i;
     for (i = 0; i < sizeof NO_OPENINGS / sizeof *NO_OPENINGS; ++i) {
@@ -470,8 +461,19 @@ static void half_a_command_is_given_up(void)
     now = 0;
 }
 
+static void all_zero_is_a_motion_side(void)
+{
+    memset(&motion, 0, sizeof motion);
+    CHECK_INT(gx_motion_next_deadline(&motion, now), -1);
+    CHECK_INT(FEED("#5 x7\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x01, 5, 7, 0));
+    done();
+    SAYS("#5\n");
+}
+
 int main(void)
 {
+    all_zero_is_a_motion_side();
     /* What these queue has to fit. */
     if (GX_QUEUE_MAX >= 5) {
         moves_add_up_and_velocity_sticks();

@@ -127,8 +127,57 @@ static void bad_arguments_are_refused(void)
     CHECK(dp_host_get_health(NULL) == NULL);
 }
 
+/* Any memory at all, and a clock that jumps anywhere: nothing is touched that should not be, and nothing hangs. */
+static void any_memory(void)
+{
+    static const char LIKELY[] = "$$$$ANHSMChsme\0\0\1\x0C\x10:::";
+    unsigned long seed = 11;
+    int round, step, i;
+
+    for (round = 0; round < 1000; ++round) {
+        wire_random_bytes(&seed, &host, sizeof host);
+        if (round % 4 == 0)
+            memset(&host, 0xFF, sizeof host);
+        if (round % 4 == 1)
+            for (i = 0; i < (int)sizeof host; ++i)
+                ((unsigned char *)&host)[i] &= 7;
+        for (step = 0; step < 30; ++step) {
+            unsigned char bytes[64];
+            int count = (int)(wire_random(&seed) % sizeof bytes), done;
+
+            for (i = 0; i < count; ++i)
+                bytes[i] = (unsigned char)LIKELY[wire_random(&seed) % (sizeof LIKELY - 1)];
+            if (count >= WIRE_OVERHEAD && step % 2)
+                wire_frame(bytes, DP_PROTO_ALL_OPCODES[step / 2 % 10], "", 0);
+            done = dp_host_receive(&host, bytes, count, now);
+            CHECK(done >= 0 && done <= count);
+            for (i = 0; i < DP_BUFSIZE && dp_host_poll(&host, now, &event) == DP_RC_SUCCESS; ++i)
+                CHECK(event.kind >= DP_HOST_MESSAGE && event.kind <= DP_HOST_ENDED);
+            CHECK(i < DP_BUFSIZE);
+            if (step % 5 == 0)
+                dp_host_home(&host);
+            if (step % 5 == 2)
+                dp_host_move(&host, &TARGET);
+            if (step % 7 == 0)
+                dp_host_cancel(&host);
+            if (step % 7 == 3)
+                dp_host_status(&host);
+            count = (int)(wire_random(&seed) % sizeof bytes);
+            done = dp_host_output(&host, bytes, count, now);
+            CHECK(done >= 0 && done <= count && done <= DP_HOST_OUTPUT_MAX);
+            CHECK(dp_host_next_deadline(&host, now) >= -1);
+            CHECK(dp_host_busy(&host) == 0 || dp_host_busy(&host) == 1);
+            pass(step % 4 ? wire_random(&seed) % 1000 : (unsigned long)wire_random(&seed) << 4);
+        }
+    }
+    begin();
+    CHECK_INT(dp_host_home(&host), DP_RC_SUCCESS);
+    CHECK(sends("H"));
+}
+
 int main(void)
 {
+    any_memory();
     status_is_requested();
     tells_messages_and_health();
     takes_what_fits();

@@ -1,9 +1,11 @@
 /*
  * Everything existing programs rely on at compile time: layouts, values and types of protocol.h's macros, free names.
- * And the layouts of host.h and controller.h.
+ * And the layouts of host.h and controller.h, and the results that all protocols share.
  */
 #include "libdeltarobot/controller.h"
+#include "libdeltarobot/gx.h"
 #include "libdeltarobot/host.h"
+#include "libdeltarobot/line_host.h"
 #include "libdeltarobot/protocol.h"
 
 #include "check.h"
@@ -186,6 +188,29 @@ SAME(sizeof(struct dp_controller), 184);
 /* All of the messages have texts of that length at most, whatever the sizes. */
 SAME(DP_MSG_TEXT_MAX, 96);
 SAME(DP_HOST_OUTPUT_MAX, 5 + 17 + 5);
+
+/* --- results: a number means the same in all protocols --- */
+
+IS_INT(DP_RC_BUSY, 5);
+IS_INT(DP_RC_NO_EVENT, 6);
+SAME(OLP_RC_SUCCESS, DP_RC_SUCCESS);
+SAME(OLP_RC_ERROR_GENERIC, DP_RC_ERROR_GENERIC);
+SAME(OLP_RC_OVERFLOW, DP_RC_OVERFLOW);
+SAME(OLP_RC_BUSY, DP_RC_BUSY);
+SAME(OLP_RC_NO_EVENT, DP_RC_NO_EVENT);
+IS_INT(OLP_RC_MALFORMED, 8);
+IS_INT(OLP_RC_TOO_LONG, 9);
+IS_INT(OLP_RC_RANGE, 10);
+IS_INT(OLP_RC_NOT_FOUND, 11);
+IS_INT(OLP_RC_NO_COMMAND, 12);
+IS_INT(OLP_RC_NAME, 13);
+SAME(GX_RC_SUCCESS, DP_RC_SUCCESS);
+SAME(GX_RC_ERROR_GENERIC, DP_RC_ERROR_GENERIC);
+SAME(GX_RC_OVERFLOW, DP_RC_OVERFLOW);
+SAME(GX_RC_BUSY, DP_RC_BUSY);
+SAME(GX_RC_NO_EVENT, DP_RC_NO_EVENT);
+SAME(GX_RC_RANGE, OLP_RC_RANGE);
+SAME(GX_RC_NOT_FOUND, OLP_RC_NOT_FOUND);
 
 /* --- what can only be seen at work --- */
 

@@ -46,8 +46,8 @@ struct command {
     unsigned long at;
 };
 
-static struct olp_host host;
-static struct olp_device device;
+static struct olp_host hosts[2], *host = hosts;
+static struct olp_device devices[2], *device = devices;
 static struct command commands[COMMANDS];
 static int command_count, toggles, toggled, setup_handle, setup_step, restarts, widened;
 static int want_ack, want_checksum, want_window;
@@ -176,12 +176,12 @@ static const struct olp_device_table TABLE = {DEVICES, 3, COMMANDS_KNOWN, 6, sen
 
 static int device_receives(const unsigned char *bytes, int count)
 {
-    return olp_device_receive(&device, bytes, count, clock_ms());
+    return olp_device_receive(device, bytes, count, clock_ms());
 }
 
 static void device_does(void)
 {
-    while (olp_device_poll(&device, clock_ms()) != OLP_RC_NO_EVENT)
+    while (olp_device_poll(device, clock_ms()) != OLP_RC_NO_EVENT)
         continue;
 }
 
@@ -191,7 +191,7 @@ static void device_tells(void)
     struct olp_encoder event;
     olp_begin(&event, line, sizeof line, "heaterinfo");
     olp_add_float(&event, "temp", (float)below(2000) / 10, 2);
-    olp_device_event(&device, &event, "dev2");
+    olp_device_event(device, &event, "dev2");
 }
 
 /* --- the user --- */
@@ -202,8 +202,8 @@ static void set_up(void)
     if (setup_handle > 0)
         return;
     /* Three parameters are one too many for a line. */
-    rc = setup_step == TO_SETTLE ? olp_host_setup(&host, "dev0", want_ack, want_checksum, -1)
-                                 : olp_host_setup(&host, "dev0", -1, -1, want_window);
+    rc = setup_step == TO_SETTLE ? olp_host_setup(host, "dev0", want_ack, want_checksum, -1)
+                                 : olp_host_setup(host, "dev0", -1, -1, want_window);
     HOLDS(rc > 0 || rc == -OLP_RC_BUSY, "a setup was not taken");
     if (rc > 0)
         setup_handle = rc;
@@ -217,7 +217,7 @@ static int is_settled(const struct olp_host_link *link)
 static void setup_ended(const struct olp_host_event *event)
 {
     struct olp_host_link link;
-    olp_host_get_link(&host, &link);
+    olp_host_get_link(host, &link);
     setup_handle = 0;
     if (event->outcome != OLP_HOST_ANSWERED)
         return;
@@ -258,7 +258,7 @@ static void look_at(const struct olp_host_event *event)
             command_ended(event);
         break;
     case OLP_HOST_LINKSETUP:
-        olp_host_get_link(&host, &link);
+        olp_host_get_link(host, &link);
         if (!is_settled(&link) && setup_step != TO_SETTLE)
             setup_step = TO_SETTLE; /* the device has started anew */
         break;
@@ -279,7 +279,7 @@ static void request(void)
     int handle;
 
     /* Without having been asked, the device may want more than 1. */
-    olp_host_get_link(&host, &link);
+    olp_host_get_link(host, &link);
     widened |= link.windowsize > 1;
     memset(command, 0, sizeof *command);
     command->kind = below(3) ? (enum kind)below(3) : (enum kind)below(KINDS);
@@ -293,7 +293,7 @@ static void request(void)
         sprintf(text, "c=%s&n=%d&v=%u", NAMES[command->kind], command_count, command->value);
     if (command->kind == TOGGLE)
         strcpy(id, "dev1");
-    handle = olp_host_send(&host, text, (int)strlen(text), id);
+    handle = olp_host_send(host, text, (int)strlen(text), id);
     HOLDS(handle > 0 || handle == -OLP_RC_BUSY, "a command was not taken");
     if (handle > 0) {
         command->handle = handle;
@@ -326,13 +326,13 @@ static void user_acts(void)
 
 static int host_receives(const unsigned char *bytes, int count)
 {
-    return olp_host_receive(&host, bytes, count, clock_ms());
+    return olp_host_receive(host, bytes, count, clock_ms());
 }
 
 static void host_tells(void)
 {
     struct olp_host_event event;
-    while (olp_host_poll(&host, clock_ms(), &event) == OLP_RC_SUCCESS) {
+    while (olp_host_poll(host, clock_ms(), &event) == OLP_RC_SUCCESS) {
         look_at(&event);
         /* A user who does not wait for the loop. */
         if (event.kind == OLP_HOST_ENDED && setup_step == SETTLED && setup_handle == 0 && below(2) &&
@@ -346,7 +346,7 @@ static void host_sends(void)
     char bytes[OLP_COMMAND_MAX + 200], *line, *end;
     int length;
 
-    while ((length = olp_host_output(&host, bytes, OLP_COMMAND_MAX + (int)below(200), clock_ms())) > 0)
+    while ((length = olp_host_output(host, bytes, OLP_COMMAND_MAX + (int)below(200), clock_ms())) > 0)
         /* Line by line, so that each has its own fate. */
         for (line = bytes; line < bytes + length; line = end) {
             end = memchr(line, '\n', (size_t)(bytes + length - line));
@@ -377,12 +377,12 @@ static void choose(unsigned long run)
     memset(&settings, 0, sizeof settings);
     if (below(4) == 0)
         settings.timeout_ms = 2 * ONE_WAY_MS + 10 + below(300);
-    memset(&host, 0xA5, sizeof host);
-    CHECK_INT(olp_host_init(&host, &settings), OLP_RC_SUCCESS);
-    memset(&device, 0xA5, sizeof device);
-    CHECK_INT(olp_device_init(&device, &TABLE, NULL), OLP_RC_SUCCESS);
+    memset(host, 0xA5, sizeof *host);
+    CHECK_INT(olp_host_init(host, &settings), OLP_RC_SUCCESS);
+    memset(device, 0xA5, sizeof *device);
+    CHECK_INT(olp_device_init(device, &TABLE, NULL), OLP_RC_SUCCESS);
     if (below(3) == 0)
-        olp_device_linksetup(&device, (int)below(2), (int)below(2), 1 + (int)below(OLP_WINDOW_MAX));
+        olp_device_linksetup(device, (int)below(2), (int)below(2), 1 + (int)below(OLP_WINDOW_MAX));
 }
 
 static void judge(void)
@@ -450,8 +450,10 @@ static void run_once(unsigned long run)
         if (next_restart && now >= next_restart) {
             next_restart = 0;
             ++restarts;
-            olp_device_restart(&device);
+            olp_device_restart(device);
         }
+        MOVE_AT_TIMES(host, hosts);
+        MOVE_AT_TIMES(device, devices);
         arrive(&down, 1 + (int)below(300), device_receives, device_does);
         arrive(&up, 1 + (int)below(300), host_receives, host_tells);
         host_sends();
@@ -465,12 +467,12 @@ static void run_once(unsigned long run)
 
         next = next_act;
         earlier(&next, next_event);
-        earlier_deadline(&next, olp_host_next_deadline(&host, clock_ms()));
+        earlier_deadline(&next, olp_host_next_deadline(host, clock_ms()));
         go_on(next);
     }
     if (!wrong)
         judge();
-    sum->repeats += (long)olp_host_get_health(&host)->repeats;
+    sum->repeats += (long)olp_host_get_health(host)->repeats;
     sum->forged_runs += forged;
     end_run(run, is_damaged());
 }

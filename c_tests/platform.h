@@ -22,7 +22,7 @@ typedef struct {
 } Sent;
 
 static Sent from_host, from_controller;
-static struct dp_controller controller;
+static struct dp_controller controllers[2], *controller = controllers;
 
 /* What is known of the platform, and happened to it since the current request. */
 static struct {
@@ -176,7 +176,7 @@ static void platform_moves(void)
     } else if (plant.state == DP_STATUS_MOVING && now >= plant.step) {
         plant.step = now + 50;
         if (plant.firmware)
-            dp_controller_report(&controller);
+            dp_controller_report(controller);
     }
 }
 
@@ -184,7 +184,7 @@ static int controller_flags;
 
 static void reset_controller(void)
 {
-    CHECK_INT(dp_controller_init(&controller, &CALLS, NULL, plant.firmware ? DP_LAYOUT_FIRMWARE : DP_LAYOUT_SPEC,
+    CHECK_INT(dp_controller_init(controller, &CALLS, NULL, plant.firmware ? DP_LAYOUT_FIRMWARE : DP_LAYOUT_SPEC,
                                  controller_flags),
               DP_RC_SUCCESS);
     plant.known = 0;
@@ -200,14 +200,14 @@ static void controller_runs(void)
 
     platform_moves();
     while ((length = arrived(&down, bytes, 1 + (int)below(DP_BUFSIZE < 64 ? DP_BUFSIZE : 64))) > 0) {
-        int rc = dp_controller_receive(&controller, bytes, length);
+        int rc = dp_controller_receive(controller, bytes, length);
         /* Small rings are too full at times: one more fault of the line. */
         CHECK(rc == DP_RC_SUCCESS || (rc == DP_RC_OVERFLOW && DP_BUFSIZE < DP_DATA_MAX_SIZE + 5 + 64));
         plant.heard_at = now;
-        while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+        while (dp_controller_poll(controller) == DP_RC_SUCCESS)
             ;
     }
-    while ((now - plant.heard_at >= 20 ? dp_controller_poll_idle(&controller) : dp_controller_poll(&controller)) ==
+    while ((now - plant.heard_at >= 20 ? dp_controller_poll_idle(controller) : dp_controller_poll(controller)) ==
            DP_RC_SUCCESS)
         ;
 }

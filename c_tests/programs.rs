@@ -10,7 +10,7 @@ macro_rules! in_every_mode {
 
             #[test]
             fn linked_statically() {
-                check::<&str>(&$program, DEFAULT, Mode::Static, &[]);
+                check(&$program, DEFAULT, Mode::Static, $program.args(Mode::Static));
             }
 
             #[test]
@@ -25,7 +25,7 @@ macro_rules! in_every_mode {
 
             #[test]
             fn under_valgrind() {
-                check(&$program, DEFAULT, Mode::Valgrind, $program.slowly);
+                check(&$program, DEFAULT, Mode::Valgrind, $program.args(Mode::Valgrind));
             }
 
             #[test]

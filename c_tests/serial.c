@@ -78,6 +78,7 @@ static void check_error(const struct dp_serial *port, const char *device, const 
 
 static void layout(void)
 {
+    CHECK_INT(DP_RC_DEVICE, 7);
     CHECK_INT(offsetof(struct dp_serial, fd), 0);
     CHECK_INT(offsetof(struct dp_serial, is_open), sizeof(int));
     CHECK_INT(offsetof(struct dp_serial, has_failed), 2 * sizeof(int));

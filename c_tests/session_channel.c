@@ -19,7 +19,7 @@ enum {
     REQUESTS = 8
 };
 
-static struct dp_host host;
+static struct dp_host hosts[2], *host = hosts;
 
 static long finished, refused, failed, cancelled, timed_out;
 static long forged_frames, frames, repeats, garbage;
@@ -104,7 +104,7 @@ static void request_operation(void)
         ++plant.faults;
     if (below(3) == 0 || !plant.known) {
         user.opcode = DP_OPCODE_HOMING;
-        rc = dp_host_home(&host);
+        rc = dp_host_home(host);
     } else {
         struct protocol_msg_position target;
         user.opcode = DP_OPCODE_MOVE;
@@ -116,7 +116,7 @@ static void request_operation(void)
         target.DA = plant.wanted[0];
         target.DB = plant.wanted[1];
         target.DC = plant.wanted[2];
-        rc = dp_host_move(&host, &target);
+        rc = dp_host_move(host, &target);
     }
     HOLDS(rc == DP_RC_SUCCESS, "a request was not taken");
     ++user.operations;
@@ -131,7 +131,7 @@ static void user_acts(void)
         return;
     }
     if (is_pending() && below(4) == 0) {
-        rc = dp_host_cancel(&host);
+        rc = dp_host_cancel(host);
         HOLDS((rc == DP_RC_BUSY) == (user.cancels > user.cancel_ends), "busy with a cancel request or not");
         if (rc == DP_RC_SUCCESS) {
             ++user.cancels;
@@ -139,14 +139,14 @@ static void user_acts(void)
         }
     }
     if (below(6) == 0) {
-        rc = dp_host_status(&host);
+        rc = dp_host_status(host);
         HOLDS((rc == DP_RC_BUSY) == (user.statuses > user.status_ends), "busy with a status request or not");
         if (rc == DP_RC_SUCCESS) {
             ++user.statuses;
             user.status_at = now;
         }
     }
-    HOLDS(dp_host_busy(&host) == is_pending(), "busy or not");
+    HOLDS(dp_host_busy(host) == is_pending(), "busy or not");
 }
 
 static void fault_happens(void)
@@ -176,13 +176,13 @@ static void fault_happens(void)
 
 static int host_receives(const unsigned char *bytes, int count)
 {
-    return dp_host_receive(&host, bytes, count, clock_ms());
+    return dp_host_receive(host, bytes, count, clock_ms());
 }
 
 static void host_tells(void)
 {
     struct dp_host_event event;
-    while (dp_host_poll(&host, clock_ms(), &event) == DP_RC_SUCCESS) {
+    while (dp_host_poll(host, clock_ms(), &event) == DP_RC_SUCCESS) {
         look_at(&event);
         /* A user who does not wait for the loop. */
         if (event.kind == DP_HOST_ENDED && below(2) && !is_pending() && user.operations < REQUESTS)
@@ -196,7 +196,7 @@ static void host_runs(void)
     int length;
 
     arrive(&up, 1 + (int)below(200), host_receives, host_tells);
-    length = dp_host_output(&host, bytes, below(4) == 0 ? 17 : DP_HOST_OUTPUT_MAX, clock_ms());
+    length = dp_host_output(host, bytes, below(4) == 0 ? 17 : DP_HOST_OUTPUT_MAX, clock_ms());
     /* Frame by frame, so that each has its own fate. */
     while (frame < bytes + length) {
         int size = frame[2] + WIRE_OVERHEAD;
@@ -235,8 +235,8 @@ static void choose(unsigned long run)
     settings.layout = below(2) ? DP_LAYOUT_AUTO : plant.firmware ? DP_LAYOUT_FIRMWARE : DP_LAYOUT_SPEC;
     if (below(3) == 0)
         settings.ack_ms = 40;
-    memset(&host, 0xA5, sizeof host);
-    CHECK_INT(dp_host_init(&host, &settings), DP_RC_SUCCESS);
+    memset(host, 0xA5, sizeof *host);
+    CHECK_INT(dp_host_init(host, &settings), DP_RC_SUCCESS);
 }
 
 static int all_ended(void)
@@ -272,6 +272,8 @@ static void run_once(unsigned long run)
             fault_happens();
             next_fault = now + 500 + below(8000);
         }
+        MOVE_AT_TIMES(host, hosts);
+        MOVE_AT_TIMES(controller, controllers);
         controller_runs();
         host_runs();
         HOLDS(nothing_overdue(), "a request does not end");
@@ -280,14 +282,14 @@ static void run_once(unsigned long run)
             break;
 
         next = next_act;
-        earlier_deadline(&next, dp_host_next_deadline(&host, clock_ms()));
+        earlier_deadline(&next, dp_host_next_deadline(host, clock_ms()));
         if (is_running())
             earlier(&next, now + 10);
         if (faulty)
             earlier(&next, next_fault);
         go_on(next);
     }
-    health = dp_host_get_health(&host);
+    health = dp_host_get_health(host);
     frames += (long)health->frames;
     repeats += (long)health->repeats;
     garbage += (long)health->garbage_bytes;

@@ -143,8 +143,8 @@ pub(crate) struct Program {
     pub(crate) language: Language,
     pub(crate) flags: &'static [&'static str],
     pub(crate) family: Family,
-    /// What it is given under valgrind, which takes fifty times as long as the processor.
-    pub(crate) slowly: &'static [&'static str],
+    /// What it is given where it runs many times as slowly.
+    slowly: &'static [&'static str],
 }
 
 impl Program {
@@ -167,6 +167,11 @@ impl Program {
 
     pub(crate) const fn slowly(self, slowly: &'static [&'static str]) -> Self {
         Self { slowly, ..self }
+    }
+
+    /// What it is given: less to do under valgrind, and where a library that isn't optimized counts what is run.
+    pub(crate) fn args(&self, mode: Mode) -> &'static [&'static str] {
+        if mode == Mode::Valgrind || coverage().is_some() { self.slowly } else { &[] }
     }
 
     /// The other sizes that mean anything to it.
