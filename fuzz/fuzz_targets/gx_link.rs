@@ -3,12 +3,12 @@
 //! that forges nothing, as finished only if it was carried out.
 #![no_main]
 
-use std::collections::VecDeque;
 use std::ffi::{c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 use deltarobot_fuzz::gx_abi::*;
 use deltarobot_fuzz::input::Input;
+use deltarobot_fuzz::link::{Line, carry, give, later, written};
 use deltarobot_fuzz::object::Object;
 use libfuzzer_sys::fuzz_target;
 
@@ -26,8 +26,8 @@ fuzz_target!(|input: &[u8]| {
 struct World {
     host: Object<Host>,
     motion: Object<Motion>,
-    to_motion: VecDeque<u8>,
-    to_host: VecDeque<u8>,
+    to_motion: Line,
+    to_host: Line,
     now: c_ulong,
     path: [i32; 6],
     /// Moves whose ends were not told.
@@ -49,8 +49,8 @@ impl World {
         Self {
             host: Object::default(),
             motion: Object::default(),
-            to_motion: VecDeque::new(),
-            to_host: VecDeque::new(),
+            to_motion: Line::new(),
+            to_host: Line::new(),
             now: c_ulong::from_le_bytes(input.bytes::<8>()),
             path: [0; 6],
             unfinished: 0,
@@ -70,11 +70,13 @@ impl World {
             0..3 => self.request(input, variant),
             3 => self.report(input, variant),
             4 | 5 => {
-                let bytes = carry(&mut self.to_host, input, variant, &mut self.honest);
+                let (bytes, as_sent) = carry(&mut self.to_host, input, variant);
+                self.honest &= as_sent;
                 self.host_receive(&bytes);
             }
             6 | 7 => {
-                let bytes = carry(&mut self.to_motion, input, variant, &mut self.honest);
+                let (bytes, as_sent) = carry(&mut self.to_motion, input, variant);
+                self.honest &= as_sent;
                 self.motion_receive(&bytes);
             }
             8 => {
@@ -154,18 +156,10 @@ impl World {
     }
 
     fn host_receive(&mut self, bytes: &[u8]) {
-        let mut rest = Box::<[u8]>::from(bytes);
-        for _ in 0..=2 * bytes.len() {
-            let taken =
-                unsafe { gx_host_receive(self.host.ptr(), rest.as_ptr().cast(), rest.len() as c_int, self.now) };
-            let taken = usize::try_from(taken).unwrap();
-            rest = rest[taken..].into();
-            if rest.is_empty() {
-                return;
-            }
-            self.host_poll(usize::MAX);
-        }
-        assert!(!self.sound[0], "the host takes no bytes");
+        let receive =
+            |world: &Self, bytes, count| unsafe { gx_host_receive(world.host.ptr(), bytes, count, world.now) };
+        let all = give(self, bytes, receive, |world| world.host_poll(usize::MAX));
+        assert!(all || !self.sound[0], "the host takes no bytes");
     }
 
     fn host_poll(&mut self, times: usize) {
@@ -196,27 +190,18 @@ impl World {
     }
 
     fn host_output(&mut self, cap: usize) {
-        let mut room = vec![0x55_u8; cap].into_boxed_slice();
-        let length = unsafe { gx_host_output(self.host.ptr(), room.as_mut_ptr().cast(), cap as c_int, self.now) };
-        let (written, rest) = room.split_at(usize::try_from(length).unwrap());
-        assert!(rest.iter().all(|byte| *byte == 0x55));
-        self.to_motion.extend(written);
+        let bytes = written(cap, |room, cap| unsafe { gx_host_output(self.host.ptr(), room, cap, self.now) });
+        self.to_motion.extend(bytes);
     }
 
     fn motion_receive(&mut self, bytes: &[u8]) {
-        let mut rest = Box::<[u8]>::from(bytes);
-        for _ in 0..=2 * bytes.len() {
-            let taken =
-                unsafe { gx_motion_receive(self.motion.ptr(), rest.as_ptr().cast(), rest.len() as c_int, self.now) };
-            let taken = usize::try_from(taken).unwrap();
-            rest = rest[taken..].into();
-            if rest.is_empty() {
-                return;
-            }
-            self.motion_poll(usize::MAX);
-            self.motion_output(1024);
-        }
-        assert!(!self.sound[1], "the motion side takes no bytes");
+        let receive =
+            |world: &Self, bytes, count| unsafe { gx_motion_receive(world.motion.ptr(), bytes, count, world.now) };
+        let all = give(self, bytes, receive, |world| {
+            world.motion_poll(usize::MAX);
+            world.motion_output(1024);
+        });
+        assert!(all || !self.sound[1], "the motion side takes no bytes");
     }
 
     fn motion_poll(&mut self, times: usize) {
@@ -237,11 +222,8 @@ impl World {
     }
 
     fn motion_output(&mut self, cap: usize) {
-        let mut room = vec![0x55_u8; cap].into_boxed_slice();
-        let length = unsafe { gx_motion_output(self.motion.ptr(), room.as_mut_ptr().cast(), cap as c_int, self.now) };
-        let (written, rest) = room.split_at(usize::try_from(length).unwrap());
-        assert!(rest.iter().all(|byte| *byte == 0x55));
-        self.to_host.extend(written);
+        let bytes = written(cap, |room, cap| unsafe { gx_motion_output(self.motion.ptr(), room, cap, self.now) });
+        self.to_host.extend(bytes);
     }
 
     fn machine(&mut self, input: &mut Input, variant: u8) {
@@ -299,14 +281,7 @@ impl World {
                 _ => gx_motion_next_deadline(self.motion.ptr(), self.now),
             }
         };
-        let time = match variant {
-            0 => c_ulong::from_le_bytes(input.bytes::<8>()),
-            1 => (c_ulong::from(input.byte()) << 24).wrapping_neg(),
-            2..4 => c_ulong::from(input.byte()) * 10,
-            4 => deadline.max(1) as c_ulong - 1,
-            _ => deadline.max(0) as c_ulong,
-        };
-        self.now = self.now.wrapping_add(time);
+        self.now = later(self.now, deadline, input, variant);
     }
 
     fn host_init(&mut self, input: &mut Input, variant: u8) {
@@ -347,17 +322,13 @@ impl World {
 
     /// Goes beyond what is promised: no memory but the object's is touched even then.
     fn scribble(&mut self, input: &mut Input, variant: u8) {
-        let at = usize::from(u16::from_le_bytes(input.bytes()));
-        let length = usize::from(input.byte());
-        let count = 1 + usize::from(input.byte() % 16);
-        let bytes = input.slice(count);
         match variant {
             0 | 1 => {
-                self.host.scribble(at % size_of::<Host>(), length, bytes, 0..0);
+                self.host.scribble(input, 0..0);
                 (self.sound[0], self.honest) = (false, false);
             }
             2 | 3 => {
-                self.motion.scribble(at % size_of::<Motion>(), length, bytes, 0..0);
+                self.motion.scribble(input, 0..0);
                 (self.sound[1], self.honest) = (false, false);
             }
             4 => self.motion_init(&mut Input(&[]), 0),
@@ -432,24 +403,4 @@ impl World {
 fn in_range(vector: &Vector) {
     assert!(vector.mask < 0x80 && vector.velocity < 1 << 14, "{vector:?}");
     assert!((0..6).filter(|axis| vector.mask >> axis & 1 == 1).all(|axis| POSITIONS.contains(&vector.axes[axis])));
-}
-
-/// Takes bytes from a line, which may do something to them.
-fn carry(line: &mut VecDeque<u8>, input: &mut Input, variant: u8, honest: &mut bool) -> Vec<u8> {
-    let count = match usize::from(input.byte()) {
-        0 => line.len(),
-        count => count.min(line.len()),
-    };
-    let mut bytes: Vec<_> = line.drain(..count).collect();
-    if variant >= 4 && !bytes.is_empty() {
-        *honest = false;
-        let at = usize::from(input.byte()) % bytes.len();
-        match variant {
-            4 => drop(bytes.remove(at)),
-            5 => bytes[at] ^= 1 << (input.byte() % 8),
-            6 => bytes.truncate(at),
-            _ => bytes.extend_from_within(at..),
-        }
-    }
-    bytes
 }

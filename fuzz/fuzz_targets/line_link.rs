@@ -3,17 +3,17 @@
 //! command ends once and in time.
 #![no_main]
 
-use std::collections::{BTreeMap, VecDeque};
-use std::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
+use std::collections::BTreeMap;
+use std::ffi::{c_int, c_long, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 use deltarobot_fuzz::input::Input;
 use deltarobot_fuzz::line_abi::*;
+use deltarobot_fuzz::line_board::{Board, COMMAND_MAX, IDS, Table, an_event};
+use deltarobot_fuzz::link::{Line, carry, give, later, written};
 use deltarobot_fuzz::object::Object;
 use libfuzzer_sys::fuzz_target;
 
-const COMMAND_MAX: usize = 64;
-const IDS: [&CStr; 5] = [c"sf6z34", c"9o5qzg", c"a.b_c-d", c"nobody", c"%&= \xC3"];
 const COMMANDS: [&[u8]; 8] = [
     b"c=setswitch&state=1",
     b"c=get",
@@ -34,27 +34,14 @@ fuzz_target!(|input: &[u8]| {
     world.everything_ends();
 });
 
-/// What the functions of a device's table work with.
-struct Board {
-    device: *mut Device,
-    now: c_ulong,
-    sent: VecDeque<u8>,
-    /// What they do besides, one after the other.
-    deeds: VecDeque<u8>,
-    depth: u8,
-    sound: bool,
-}
-
 struct World {
     host: Object<Host>,
     device: Object<Device>,
     /// Where a device's pointers lie.
     pointers: usize,
-    _infos: Vec<DeviceInfo>,
-    _commands: Vec<Command>,
-    table: Box<DeviceTable>,
+    table: Table,
     board: Box<Board>,
-    to_device: VecDeque<u8>,
+    to_device: Line,
     now: c_ulong,
     /// Commands that have not ended, and whether they were acknowledged.
     open: BTreeMap<c_int, bool>,
@@ -66,53 +53,24 @@ struct World {
 
 impl World {
     fn new(input: &mut Input) -> Self {
-        let host = Object::default();
         let device = Object::default();
-        let infos: Vec<_> = [(IDS[0], 0, null()), (IDS[1], 1, c"A name, 100 %".as_ptr()), (IDS[2], -7, c"".as_ptr())]
-            .map(|(id, pos, name)| DeviceInfo { id: id.as_ptr(), kind: c"Kind".as_ptr(), pos, name, version: name })
-            .into();
-        let command = |id, name: &CStr, run| Command { id, name: name.as_ptr(), run };
-        let commands = vec![
-            command(IDS[1].as_ptr(), c"setswitch", Some(run as RunFunc)),
-            command(null(), c"get", Some(run as RunFunc)),
-            command(null(), c"again", Some(run as RunFunc)),
-            command(null(), c"refused", None),
-        ];
-        let table = Box::new(DeviceTable {
-            devices: infos.as_ptr(),
-            device_count: 1 + c_int::from(input.byte() % 3),
-            commands: commands.as_ptr(),
-            command_count: 4,
-            send: Some(send),
-            repeat_ms: c_ulong::from(input.byte()) * 20,
-        });
+        let table = Table::new(input);
         let now = c_ulong::from_le_bytes(input.bytes::<8>());
-        let mut board = Box::new(Board {
-            device: device.ptr(),
-            now,
-            sent: VecDeque::new(),
-            deeds: VecDeque::new(),
-            depth: 0,
-            sound: true,
-        });
+        let mut board = Board::new(device.ptr(), now);
         // Not made yet: all zero is refused.
         unsafe {
             assert_eq!(olp_device_poll(device.ptr(), now), 1);
-            assert_eq!(olp_device_init(device.ptr(), &raw const *table, (&raw mut *board).cast()), 0);
+            assert_eq!(olp_device_init(device.ptr(), table.ptr(), board.usr()), 0);
         }
-        let pointers = device.place_of((&raw const *table).cast());
-        let (to_device, open) = (VecDeque::new(), BTreeMap::new());
         Self {
-            host,
+            host: Object::default(),
+            pointers: device.place_of(table.ptr().cast()),
             device,
-            pointers,
-            _infos: infos,
-            _commands: commands,
             table,
             board,
-            to_device,
+            to_device: Line::new(),
             now,
-            open,
+            open: BTreeMap::new(),
             sound: true,
             plain: true,
         }
@@ -126,11 +84,11 @@ impl World {
             0 | 1 => self.send(input, variant),
             2 => self.setup(input, variant),
             3 | 4 => {
-                let bytes = carry(&mut self.board.sent, input, variant);
+                let (bytes, _) = carry(&mut self.board.sent, input, variant);
                 self.host_receive(&bytes);
             }
             5 | 6 => {
-                let bytes = carry(&mut self.to_device, input, variant);
+                let (bytes, _) = carry(&mut self.to_device, input, variant);
                 self.device_receive(&bytes);
             }
             7 => self.host_receive(&raw(input, variant)),
@@ -200,18 +158,10 @@ impl World {
 
     /// Gives bytes to the host, and fetches events until it has taken them.
     fn host_receive(&mut self, bytes: &[u8]) {
-        let mut rest = Box::<[u8]>::from(bytes);
-        for _ in 0..=2 * bytes.len() {
-            let taken =
-                unsafe { olp_host_receive(self.host.ptr(), rest.as_ptr().cast(), rest.len() as c_int, self.now) };
-            let taken = usize::try_from(taken).unwrap();
-            rest = rest[taken..].into();
-            if rest.is_empty() {
-                return;
-            }
-            self.host_poll(usize::MAX);
-        }
-        assert!(!self.sound, "the host takes no bytes");
+        let receive =
+            |world: &Self, bytes, count| unsafe { olp_host_receive(world.host.ptr(), bytes, count, world.now) };
+        let all = give(self, bytes, receive, |world| world.host_poll(usize::MAX));
+        assert!(all || !self.sound, "the host takes no bytes");
     }
 
     fn host_poll(&mut self, times: usize) {
@@ -256,10 +206,7 @@ impl World {
     }
 
     fn host_output(&mut self, cap: usize) {
-        let mut room = vec![0x55_u8; cap].into_boxed_slice();
-        let length = unsafe { olp_host_output(self.host.ptr(), room.as_mut_ptr().cast(), cap as c_int, self.now) };
-        let (lines, rest) = room.split_at(usize::try_from(length).unwrap());
-        assert!(rest.iter().all(|byte| *byte == 0x55));
+        let lines = written(cap, |room, cap| unsafe { olp_host_output(self.host.ptr(), room, cap, self.now) });
         if self.sound {
             for line in lines.split_inclusive(|byte| *byte == b'\n') {
                 assert!(line.len() <= COMMAND_MAX && line.starts_with(b"c=") && line.ends_with(b"\n"));
@@ -270,18 +217,10 @@ impl World {
     }
 
     fn device_receive(&mut self, bytes: &[u8]) {
-        let mut rest = Box::<[u8]>::from(bytes);
-        for _ in 0..=2 * bytes.len() {
-            let taken =
-                unsafe { olp_device_receive(self.device.ptr(), rest.as_ptr().cast(), rest.len() as c_int, self.now) };
-            let taken = usize::try_from(taken).unwrap();
-            rest = rest[taken..].into();
-            if rest.is_empty() {
-                return;
-            }
-            self.device_poll(8);
-        }
-        assert!(!self.board.sound, "the device takes no bytes");
+        let receive =
+            |world: &Self, bytes, count| unsafe { olp_device_receive(world.device.ptr(), bytes, count, world.now) };
+        let all = give(self, bytes, receive, |world| world.device_poll(8));
+        assert!(all || !self.board.sound, "the device takes no bytes");
     }
 
     fn device_poll(&mut self, times: usize) {
@@ -297,14 +236,7 @@ impl World {
 
     fn wait(&mut self, input: &mut Input, variant: u8) {
         let deadline = unsafe { olp_host_next_deadline(self.host.ptr(), self.now) };
-        let time = match variant {
-            0 => c_ulong::from_le_bytes(input.bytes::<8>()),
-            1 => (c_ulong::from(input.byte()) << 24).wrapping_neg(),
-            2..4 => c_ulong::from(input.byte()) * 10,
-            4 => deadline.max(1) as c_ulong - 1,
-            _ => deadline.max(0) as c_ulong,
-        };
-        self.now = self.now.wrapping_add(time);
+        self.now = later(self.now, deadline, input, variant);
     }
 
     fn event(&mut self, input: &mut Input, variant: u8) {
@@ -327,8 +259,7 @@ impl World {
     }
 
     fn device_init(&mut self) {
-        let usr = (&raw mut *self.board).cast();
-        assert_eq!(unsafe { olp_device_init(self.device.ptr(), &raw const *self.table, usr) }, 0);
+        assert_eq!(unsafe { olp_device_init(self.device.ptr(), self.table.ptr(), self.board.usr()) }, 0);
         self.board.sound = true;
     }
 
@@ -349,18 +280,14 @@ impl World {
 
     /// Goes beyond what is promised, but for the device's pointers: no memory but the object's is touched even then.
     fn scribble(&mut self, input: &mut Input, variant: u8) {
-        let at = usize::from(u16::from_le_bytes(input.bytes()));
-        let length = usize::from(input.byte());
-        let count = 1 + usize::from(input.byte() % 16);
-        let bytes = input.slice(count);
         match variant {
             0 | 1 => {
-                self.host.scribble(at % size_of::<Host>(), length, bytes, 0..0);
+                self.host.scribble(input, 0..0);
                 self.sound = false;
             }
             2 | 3 => {
                 let pointers = self.pointers..self.pointers + 2 * size_of::<*const c_void>();
-                self.device.scribble(at % size_of::<Device>(), length, bytes, pointers);
+                self.device.scribble(input, pointers);
                 self.board.sound = false;
             }
             4 => self.device_init(),
@@ -381,7 +308,7 @@ impl World {
             assert_eq!(olp_host_next_deadline(null(), self.now), -1);
             assert_eq!(olp_device_receive(device, byte.cast(), -1, self.now), -1);
             assert_eq!(olp_device_event(device, null_mut(), byte), 1);
-            assert_eq!(olp_device_init(null_mut(), &raw const *self.table, null_mut()), 1);
+            assert_eq!(olp_device_init(null_mut(), self.table.ptr(), null_mut()), 1);
             assert_eq!(olp_device_poll(null_mut(), self.now), 1);
         }
     }
@@ -438,25 +365,6 @@ fn id(input: &mut Input, variant: u8) -> Box<[u8]> {
     }
 }
 
-/// Takes bytes from a line, which may do something to them.
-fn carry(line: &mut VecDeque<u8>, input: &mut Input, variant: u8) -> Vec<u8> {
-    let count = match usize::from(input.byte()) {
-        0 => line.len(),
-        count => count.min(line.len()),
-    };
-    let mut bytes: Vec<_> = line.drain(..count).collect();
-    if variant >= 4 && !bytes.is_empty() {
-        let at = usize::from(input.byte()) % bytes.len();
-        match variant {
-            4 => drop(bytes.remove(at)),
-            5 => bytes[at] ^= 1 << (input.byte() % 8),
-            6 => bytes.truncate(at),
-            _ => bytes.extend_from_within(at..),
-        }
-    }
-    bytes
-}
-
 /// Bytes that nobody has sent, but could have.
 fn raw(input: &mut Input, variant: u8) -> Vec<u8> {
     const LINES: [&[u8]; 6] = [
@@ -475,77 +383,4 @@ fn raw(input: &mut Input, variant: u8) -> Vec<u8> {
         bytes = bytes.iter().copied().cycle().take(300).collect();
     }
     bytes
-}
-
-unsafe fn an_event(device: *mut Device, how: u8, id: &[u8]) {
-    let mut room = vec![0x55_u8; usize::from(how)].into_boxed_slice();
-    let mut event = Encoder::default();
-    unsafe {
-        olp_begin(&raw mut event, room.as_mut_ptr().cast(), room.len() as c_int, c"info".as_ptr());
-        olp_add_int(&raw mut event, c"n".as_ptr(), c_long::from(how) << (how % 24));
-        let rc = olp_device_event(device, &raw mut event, id.as_ptr().cast::<c_char>());
-        assert!([0, 1, 5, 9].contains(&rc), "{rc}");
-    }
-}
-
-/// What the functions of a table may do, besides what they are for.
-unsafe fn do_more(board: *mut Board) {
-    unsafe {
-        let device = (*board).device;
-        if (*board).depth >= 4 {
-            return;
-        }
-        let Some(deed) = (*board).deeds.pop_front() else { return };
-        (*board).depth += 1;
-        let line = b"c=get&id=9o5qzg&t=5\n";
-        match deed % 8 {
-            0 => drop(olp_device_restart(device)),
-            1 => drop(olp_device_linksetup(device, 1, c_int::from(deed & 8), 1)),
-            2 => {
-                let taken = olp_device_receive(device, line.as_ptr().cast(), line.len() as c_int, (*board).now);
-                assert!((0..=line.len() as c_int).contains(&taken));
-            }
-            3 => {
-                let rc = olp_device_poll(device, (*board).now);
-                assert!([0, 5, 6].contains(&rc) || !(*board).sound, "{rc}");
-            }
-            4 => an_event(device, deed, IDS[1].to_bytes_with_nul()),
-            _ => (),
-        }
-        (*board).depth -= 1;
-    }
-}
-
-unsafe extern "C" fn send(line: *const c_void, bytes: c_int, usr: *mut c_void) -> c_int {
-    let board: *mut Board = usr.cast();
-    unsafe {
-        let line = std::slice::from_raw_parts(line.cast::<u8>(), usize::try_from(bytes).unwrap());
-        if (*board).sound {
-            assert!(line.len() <= OLP_REPLY_MAX.max(255) && line.starts_with(b"c="));
-            assert_eq!(line.iter().position(|byte| *byte == b'\n'), Some(line.len() - 1));
-        }
-        (*board).sent.extend(line);
-        do_more(board);
-    }
-    bytes
-}
-
-unsafe extern "C" fn run(command: *const Message, answer: *mut Encoder, usr: *mut c_void) -> c_int {
-    let board: *mut Board = usr.cast();
-    unsafe {
-        let line = std::slice::from_raw_parts((*command).line.cast::<u8>(), (*command).length as usize);
-        assert!(line.len() < COMMAND_MAX && (*command).count > 0);
-        for index in 0..(*command).count {
-            let mut param = Param::default();
-            assert_eq!(olp_param_at(command, index, &raw mut param), 0);
-            olp_add_raw(answer, c"p".as_ptr(), param.value, param.value_length);
-        }
-        let deed = (*board).deeds.front().copied().unwrap_or_default();
-        if deed >= 0x80 {
-            let text = vec![b'&'; usize::from(deed)].into_boxed_slice();
-            olp_add_bytes(answer, c"text".as_ptr(), text.as_ptr().cast(), text.len() as c_int);
-        }
-        do_more(board);
-        c_int::from(deed & 0x40)
-    }
 }

@@ -6,5 +6,7 @@ pub mod contract;
 pub mod gx_abi;
 pub mod input;
 pub mod line_abi;
+pub mod line_board;
 pub mod line_contract;
+pub mod link;
 pub mod object;

@@ -3,6 +3,8 @@
 use std::alloc::{Layout, alloc_zeroed, dealloc};
 use std::ffi::c_void;
 
+use crate::input::Input;
+
 /// An object: all zero at first, and an allocation of its own, so that the address sanitizer sees the first byte too
 /// far. Of the library's type only the size is used, which C tests compare with the header's.
 pub struct Object<T>(*mut T);
@@ -24,9 +26,13 @@ impl<T> Object<T> {
         self.0
     }
 
-    /// Overwrites some of it with these bytes, over and over, but for what is in `spared`.
-    pub fn scribble(&mut self, at: usize, length: usize, bytes: &[u8], spared: std::ops::Range<usize>) {
-        let places = (at.min(size_of::<T>())..size_of::<T>()).take(length);
+    /// Overwrites some of it with some bytes, over and over, but for what is in `spared`.
+    pub fn scribble(&mut self, input: &mut Input, spared: std::ops::Range<usize>) {
+        let at = usize::from(u16::from_le_bytes(input.bytes())) % size_of::<T>();
+        let length = usize::from(input.byte());
+        let count = 1 + usize::from(input.byte() % 16);
+        let bytes = input.slice(count);
+        let places = (at..size_of::<T>()).take(length);
         for (place, byte) in places.zip(bytes.iter().cycle()).filter(|(place, _)| !spared.contains(place)) {
             unsafe { self.0.cast::<u8>().add(place).write(*byte) };
         }
