@@ -39,7 +39,8 @@ tests=$(instrumented test --no-run --message-format=json 2>/dev/null | sed -n 's
 LLVM_PROFILE_FILE="$work/c/%p.profraw"
 instrumented rustc --quiet --crate-type staticlib
 cp "$work/$host/debug/libdeltarobot.a" "$work"
-DP_COVERAGE="$work" cargo test --quiet --test c_tests -- linked_statically --skip traces:: >"$work/log" 2>&1 || {
+# With the features of `make test`, whose build is used again.
+DP_COVERAGE="$work" cargo test --quiet --features cli --test c_tests -- linked_statically --skip traces:: >"$work/log" 2>&1 || {
     cat "$work/log"; exit 1
 }
 programs=$(ls target/tmp/c_tests/*-128-32-static)

@@ -6,6 +6,7 @@
  * from a frame.
  */
 #include "libdeltarobot/protocol.h"
+#include "libdeltarobot/protocol_ext.h"
 
 #include "check.h"
 #include "model/model.h"
@@ -162,10 +163,54 @@ static void compare(const char *noise)
     CHECK(library.delivered >= model.delivered);
 }
 
+static int count_each(const struct protocol_msg *msg, void *usr)
+{
+    int *count = usr;
+    (void)msg;
+    ++*count;
+    return 0;
+}
+
+/* Of 100 frames without noise, how many the original keeps when it is given so many bytes at once. */
+static int kept_of_100(int piece)
+{
+    static struct model_data model;
+    static struct protocol_data ring, ring_of_each;
+    struct model_msg model_msg;
+    struct protocol_msg msg;
+    int at, by_model = 0, by_library = 0, by_each = 0;
+
+    memset(&model, 0, sizeof model);
+    memset(&ring, 0, sizeof ring);
+    memset(&ring_of_each, 0, sizeof ring_of_each);
+    for (at = 0; at < size; at += piece) {
+        int bytes = size - at < piece ? size - at : piece;
+        model_process(&model, stream + at, bytes);
+        while (model_recv(&model, &model_msg) == MODEL_SUCCESS)
+            ++by_model;
+        dp_process(&ring, stream + at, bytes);
+        while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+            ++by_library;
+        CHECK_INT(dp_process_each(&ring_of_each, stream + at, bytes, count_each, &by_each), bytes);
+    }
+    CHECK_INT(by_each, FRAMES);
+    CHECK(by_library >= by_model);
+    printf("%d bytes at once: dp_process_each keeps all, dp_process %.1f %%, the model %.1f %%\n", piece,
+           percent(by_library, FRAMES), percent(by_model, FRAMES));
+    return (int)(percent(by_model, FRAMES) + 0.5);
+}
+
 int main(void)
 {
     make_stream(0, 0, 0);
     compare("no noise");
+#if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32
+    /* As the README says. */
+    CHECK_INT(kept_of_100(192), 62);
+    CHECK_INT(kept_of_100(1024), 11);
+#else
+    kept_of_100(1024);
+#endif
     make_stream(1, 1, 0);
     compare("garbage between frames");
     make_stream(0, 0, 10);
