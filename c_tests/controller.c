@@ -316,7 +316,8 @@ static void any_memory(void)
         }
         for (step = 0; step < 10; ++step) {
             unsigned char frame[WIRE_FRAME_MAX];
-            int length = wire_frame(frame, OPCODES[wire_random(&seed) % (sizeof OPCODES - 1)], THERE, step % 2 ? 12 : 0);
+            char opcode = OPCODES[wire_random(&seed) % (sizeof OPCODES - 1)];
+            int length = wire_frame(frame, opcode, THERE, step % 2 ? 12 : 0);
             int rc = dp_controller_receive(&controller, frame, length);
             CHECK(rc == DP_RC_SUCCESS || rc == DP_RC_OVERFLOW);
             robot.state = (int)(wire_random(&seed) % 4);

@@ -43,7 +43,7 @@ cp "$work/$host/debug/libdeltarobot.a" "$work"
 DP_COVERAGE="$work" cargo test --quiet --features cli --test c_tests -- linked_statically --skip traces:: >"$work/log" 2>&1 || {
     cat "$work/log"; exit 1
 }
-programs=$(ls target/tmp/c_tests/*-128-32-static)
+programs=$(ls "${CARGO_TARGET_DIR:-target}"/tmp/c_tests/*-128-32-static)
 
 # shellcheck disable=SC2086 # lists of files
 { lines unit $tests; lines c $programs; } | sort -u | awk -v goal="$goal" '

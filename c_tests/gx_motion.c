@@ -86,6 +86,7 @@ static void moves_add_up_and_velocity_sticks(void)
     CHECK_INT(FEED("V1000x400y300\n"), GX_MOTION_QUEUED);
     CHECK_INT(FEED("\x2A\x82\x81"), GX_MOTION_QUEUED);
     CHECK_INT(gx_motion_unfinished(&motion), 4);
+    CHECK_INT(gx_motion_done(&motion), GX_RC_NO_EVENT); /* none was fetched */
     CHECK(goes(0x03, -1, 1000, -1000));
     CHECK(goes(0x03, -1, 1001, -1001));
     CHECK(goes(0x43, -1, 400, 300));

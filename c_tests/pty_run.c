@@ -29,7 +29,7 @@ static int exit_status(pid_t child)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* Runs the program with `typed` on its standard input; its standard error comes back. Neither is so long as to block. */
+/* Runs the program with `typed` on its standard input; its standard error comes back. Both are too short to block. */
 static struct outcome run(const char *program, const char *device, const char *extra, const char *typed)
 {
     struct outcome outcome;

@@ -387,7 +387,8 @@ static void replay_file(const char *path)
     finish_trace();
     check_totals();
     printf("replay: %s: %d traces, %d calls, %d frames recorded, %d delivered, subsequence in %d, %d mismatches\n",
-           path, totals.traces, totals.calls, totals.recorded, totals.delivered, totals.subsequences, mismatches - before);
+           path, totals.traces, totals.calls, totals.recorded, totals.delivered, totals.subsequences,
+           mismatches - before);
 }
 
 int main(int argc, char **argv)

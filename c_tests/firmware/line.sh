@@ -33,20 +33,24 @@ size_of() { sed -n "s/^#define $1 //p" "$lib/include/libdeltarobot/line_protocol
 
 if [ "$what" = size ]; then
     avr-gcc "-mmcu=$mcu" -E -dM -x c /dev/null -include avr/io.h >"$out/io"
-    flash=$(awk '$2 == "FLASHEND" { print $3 }' "$out/io" | tr -d '()') start=$(awk '$2 == "RAMSTART" { print $3 }' "$out/io" | tr -d '()')
-    end=$(awk '$2 == "RAMEND" { print $3 }' "$out/io" | tr -d '()')
+    io() { awk -v name="$1" '$2 == name { print $3 }' "$out/io" | tr -d '()'; }
+    flash=$(io FLASHEND) start=$(io RAMSTART) end=$(io RAMEND)
     call=2
     [ $((flash)) -lt 131072 ] || call=3
-    printf '%-44s %8s %8s %8s\n' "$mcu, OLP_WINDOW_MAX=$(size_of OLP_WINDOW_MAX), OLP_REPLY_MAX=$(size_of OLP_REPLY_MAX)" \
-        flash RAM stack
+    printf '%-44s %8s %8s %8s\n' \
+        "$mcu, OLP_WINDOW_MAX=$(size_of OLP_WINDOW_MAX), OLP_REPLY_MAX=$(size_of OLP_REPLY_MAX)" flash RAM stack
     # worst ELF FUNCTION: its stack, in bytes
     worst() { avr-objdump -d "$1" | awk -v fn="$2" -v call=$call -f "$tests/../../firmware/stack.awk"; }
     row() {
         avr-size -A "$2" | awk -v name="$1" -v stack="$3" '
             { bytes[$1] = $2 }
-            END { printf "%-44s %8d %8d %8s\n", name, bytes[".text"] + bytes[".data"], bytes[".data"] + bytes[".bss"], stack }'
+            END {
+                flash = bytes[".text"] + bytes[".data"]; ram = bytes[".data"] + bytes[".bss"]
+                printf "%-44s %8d %8d %8s\n", name, flash, ram, stack
+            }'
     }
-    for row in "the board alone:-DBOARD_ONLY" "a device with acks and checksums:-DDEVICE" "the same, with floats:-DWITH_FLOATS"; do
+    for row in "the board alone:-DBOARD_ONLY" "a device with acks and checksums:-DDEVICE" \
+        "the same, with floats:-DWITH_FLOATS"; do
         elf=$(build size "${row#*:}")
         stack=$(worst "$elf" main)
         if [ "${row#*:}" != -DBOARD_ONLY ]; then
@@ -76,7 +80,9 @@ elf=$(build test)
         printf '%s\n' "$command"
         sleep 0.3
     done
-} | timeout 60 "$out/simavr_run" "$mcu" "$elf" >"$out/said" 2>"$out/log" || { cat "$out/log" >&2; fail "it did not run"; }
+} | timeout 60 "$out/simavr_run" "$mcu" "$elf" >"$out/said" 2>"$out/log" || {
+    cat "$out/log" >&2; fail "it did not run"
+}
 grep -v '^c=heaterinfo' "$out/said" | sed 's/&t=[0-9]*$//' >"$out/answers"
 cat >"$out/expected" <<'LINES'
 c=welcome&id=M1F910&type=OzekiTemperatureController&pos=1
@@ -95,7 +101,8 @@ c=onerror&code=unknowncommand&t=50&id=9o5qzg
 c=onerror&code=refused&t=60&id=9o5qzg
 LINES
 # The t of these depends on how many events there were.
-sed 's/code=checksum&t=[0-9]*&/code=checksum\&t=N\&/' "$out/answers" | diff "$out/expected" - >&2 || fail "it says something else"
+sed 's/code=checksum&t=[0-9]*&/code=checksum\&t=N\&/' "$out/answers" | diff "$out/expected" - >&2 ||
+    fail "it says something else"
 # Nothing lost: the numbers of the messages that have one of their own go up one by one.
 heaters=$(grep -c '^c=heaterinfo&temp=2[01]\.00&state=[01]&id=M1F910&t=[0-9]*$' "$out/said")
 [ "$heaters" -ge 8 ] || fail "only $heaters events"
