@@ -17,15 +17,6 @@ static struct gx_motion motion;
 static unsigned long seed = 99, now;
 static unsigned char bytes[64], out[128];
 
-/* A third of the rounds goes on with what the one before has left. */
-static void overwrite(void *object, size_t size, int round)
-{
-    if (round % 3 == 0)
-        wire_random_bytes(&seed, object, size);
-    else if (round % 3 == 1)
-        memset(object, round % 2 ? 0xFF : 0, size);
-}
-
 static int some_bytes(const char *alphabet, int letters)
 {
     int count = (int)(wire_random(&seed) % sizeof bytes), i;
@@ -87,7 +78,8 @@ static void a_host_in_any_memory(void)
     int round, step, count, done, events;
 
     for (round = 0; round < ROUNDS; ++round) {
-        overwrite(&host, sizeof host, round);
+        if (round % 3) /* or with what the one before has left */
+            wire_any_memory(&seed, &host, sizeof host);
         for (step = 0; step < STEPS; ++step) {
             count = some_bytes(ALPHABET, sizeof ALPHABET - 1);
             done = gx_host_receive(&host, bytes, count, now);
@@ -145,7 +137,8 @@ static void a_motion_side_in_any_memory(void)
     int round, step, count, done, events, number;
 
     for (round = 0; round < ROUNDS; ++round) {
-        overwrite(&motion, sizeof motion, round);
+        if (round % 3) /* or with what the one before has left */
+            wire_any_memory(&seed, &motion, sizeof motion);
         for (step = 0; step < STEPS; ++step) {
             count = some_bytes(ALPHABET, sizeof ALPHABET - 1);
             done = gx_motion_receive(&motion, bytes, count, now);

@@ -135,12 +135,7 @@ static void any_memory(void)
     int round, step, i;
 
     for (round = 0; round < 1000; ++round) {
-        wire_random_bytes(&seed, &host, sizeof host);
-        if (round % 4 == 0)
-            memset(&host, 0xFF, sizeof host);
-        if (round % 4 == 1)
-            for (i = 0; i < (int)sizeof host; ++i)
-                ((unsigned char *)&host)[i] &= 7;
+        wire_any_memory(&seed, &host, sizeof host);
         for (step = 0; step < 30; ++step) {
             unsigned char bytes[64];
             int count = (int)(wire_random(&seed) % sizeof bytes), done;

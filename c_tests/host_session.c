@@ -178,8 +178,7 @@ static void late_ack_accepts_once(void)
     CHECK_INT(dp_host_get_health(&host)->rtt_count, 0);
 }
 
-/* A controller that refuses what it is doing: the first ack was lost. */
-static void refusal_of_a_repeat_is_doubted(void)
+static void a_repeat_is_refused(void)
 {
     begin();
     dp_host_home(&host);
@@ -189,19 +188,18 @@ static void refusal_of_a_repeat_is_doubted(void)
     comes('N', "H", 1);
     CHECK(sends("S"));
     pass(500);
+}
+
+/* A controller that refuses what it is doing: the first ack was lost. */
+static void refusal_of_a_repeat_is_doubted(void)
+{
+    a_repeat_is_refused();
     comes_report(DP_STATUS_HOMING, -1);
     CHECK(tells(DP_HOST_ACCEPTED, 'H', 0));
     comes_report(DP_STATUS_IDLE, 0);
     CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_FINISHED));
 
-    begin();
-    dp_host_home(&host);
-    CHECK(sends("H"));
-    pass(250);
-    CHECK(sends("H"));
-    comes('N', "H", 1);
-    CHECK(sends("S"));
-    pass(500);
+    a_repeat_is_refused();
     comes_report(DP_STATUS_ERROR, -1);
     CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_REFUSED));
 }

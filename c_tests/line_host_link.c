@@ -342,12 +342,7 @@ static void any_memory(void)
     int round, i;
 
     for (round = 0; round < 400; ++round) {
-        wire_random_bytes(&seed, &host, sizeof host);
-        if (round % 4 == 0)
-            memset(&host, 0xFF, sizeof host);
-        if (round % 4 == 1)
-            for (i = 0; i < (int)sizeof host; ++i)
-                ((unsigned char *)&host)[i] &= 7;
+        wire_any_memory(&seed, &host, sizeof host);
         for (i = 0; i < 60; ++i) {
             char text[64];
             int length = 0, rc;

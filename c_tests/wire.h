@@ -44,4 +44,17 @@ static inline void wire_random_bytes(unsigned long *state, void *out, size_t cou
         ((unsigned char *)out)[i] = (unsigned char)wire_random(state);
 }
 
+/* Memory that holds anything: all zeros, all ones, small numbers, or random bytes. */
+static inline void wire_any_memory(unsigned long *state, void *out, size_t count)
+{
+    unsigned kind = wire_random(state) % 6;
+    size_t i;
+
+    wire_random_bytes(state, out, count);
+    if (kind < 2)
+        memset(out, kind ? 0xFF : 0, count);
+    for (i = 0; i < count && kind == 2; ++i)
+        ((unsigned char *)out)[i] &= 7;
+}
+
 #endif
