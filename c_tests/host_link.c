@@ -37,6 +37,7 @@ static void tells_messages_and_health(void)
     CHECK_INT(dp_host_init(&host, &settings), DP_RC_SUCCESS);
     health = dp_host_get_health(&host);
     CHECK_INT(dp_host_receive(&host, "xx$A\1H\xE9:", 8, now), 8);
+    CHECK_INT(dp_host_receive(&host, "$M\3" "123\0:", 8, now), 8);
     comes('A', "H", 1);
     comes('M', "123", 3);
     CHECK_INT(dp_host_receive(&host, "$M", 2, now), 2);
@@ -49,15 +50,15 @@ static void tells_messages_and_health(void)
     CHECK_BYTES(event.msg.data, "123", 3);
     CHECK(tells_nothing());
     CHECK_INT(health->frames, 2);
-    CHECK_INT(health->garbage_bytes, 8);
-    CHECK_INT(health->checksum_failures, 1);
+    CHECK_INT(health->garbage_bytes, 16);
+    CHECK_INT(health->checksum_failures, 2);
     CHECK_INT(health->malformed, 1);
     CHECK_INT(health->strays, 1);
     /* The beginning of a frame is waited for until the line was quiet for long enough. */
     CHECK_INT(dp_host_next_deadline(&host, now), 50);
     pass(50);
     CHECK(tells_nothing());
-    CHECK_INT(health->garbage_bytes, 10);
+    CHECK_INT(health->garbage_bytes, 18);
     CHECK_INT(dp_host_next_deadline(&host, now), -1);
 }
 

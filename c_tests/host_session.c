@@ -187,6 +187,8 @@ static void a_repeat_is_refused(void)
     CHECK(sends("H"));
     comes('N', "H", 1);
     CHECK(sends("S"));
+    comes_report(DP_STATUS_IDLE, -1); /* was sent before the repeat arrived, perhaps */
+    CHECK(tells_nothing());
     pass(500);
 }
 
@@ -233,6 +235,24 @@ static void reports_show_that_it_goes_on(void)
     pass(500);
     comes_report(DP_STATUS_IDLE, 1);
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_FINISHED));
+}
+
+/* What was sent before the request arrived says nothing about it: a move before may be meant. */
+static void early_reports_show_nothing(void)
+{
+    int i;
+    begin();
+    dp_host_move(&host, &TARGET);
+    CHECK(sends("M"));
+    pass(249);
+    comes_report(DP_STATUS_MOVING, 0.5f);
+    CHECK(sends(""));
+    pass(1);
+    for (i = 0; i < 3; ++i) {
+        CHECK(sends("M"));
+        pass(250);
+    }
+    CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
 }
 
 static void is_cancelled(void)
@@ -368,6 +388,7 @@ int main(void)
     late_ack_accepts_once();
     refusal_of_a_repeat_is_doubted();
     reports_show_that_it_goes_on();
+    early_reports_show_nothing();
     is_cancelled();
     is_not_repeated_behind_its_cancelling();
     is_taken_back();

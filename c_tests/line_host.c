@@ -100,7 +100,12 @@ static void acks_and_checksums(void)
     CHECK(tells_nothing());
     comes("c=ack&checksum=64a8&t=5&id=9o5qzg");
     CHECK(tells_nothing());
-    CHECK_INT(olp_host_get_health(&host)->strays, 3);
+    /* Nor where something was damaged, which shows by a second = or a second t. */
+    comes("c=ack&checksum=64a8&x=wid=sf6z34&t=4&id=9o5qzg");
+    CHECK(tells_nothing());
+    comes("c=ack&checksum=64a8&t=4&t=4&id=9o5qzg");
+    CHECK(tells_nothing());
+    CHECK_INT(olp_host_get_health(&host)->strays, 5);
     pass(500);
     CHECK(sends("c=setswitch&state=1&t=4&id=9o5qzg&s=64a8\n"));
     acks_last();
