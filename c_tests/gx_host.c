@@ -340,15 +340,16 @@ static void no_room_and_then_room(void)
     HEARS("#\xD7\xAA?\x89");
     CHECK_INT(kind_of_event(), GX_HOST_ERROR);
     nothing_happens();
+    move(3, 0, 1, -1);
     SAYS("");
     HEARS("#\xD6\xAA\n"); /* now there is */
     CHECK(ends(GX_HOST_FINISHED, 0));
-    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80#\xD8\xAA\x2A\x81\x81");
     HEARS("#\xD7\xAA?\x89");
     CHECK_INT(kind_of_event(), GX_HOST_ERROR);
     now += 250;
     nothing_happens();
-    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80");
+    SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80#\xD8\xAA\x21\x81\x83\x80\x80\x80");
 }
 
 static void the_machine_stops(void)
