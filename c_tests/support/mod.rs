@@ -8,6 +8,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -288,12 +289,17 @@ pub(crate) fn compiler(cpp: bool) -> Command {
     command
 }
 
+/// Programs built so far.
+static BUILDS: AtomicUsize = AtomicUsize::new(0);
+
 /// Compiles and links a program against a library. In modes that can't be had here: none, after saying so.
 pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<PathBuf> {
     if mode == Mode::Valgrind && !has_tool("valgrind", "--version") {
         return None;
     }
     let executable = out_dir().join(format!("{}-{}-{mode:?}", program.name, library.sizes).to_lowercase());
+    // Another test may be running the same program: it is replaced, never written to.
+    let new = executable.with_extension(BUILDS.fetch_add(1, Ordering::Relaxed).to_string());
     let mut command = compiler(program.language.is_cpp());
     command
         .current_dir(c_tests())
@@ -303,7 +309,7 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         .args(program.flags)
         .args(program.sources)
         .arg("-o")
-        .arg(&executable);
+        .arg(&new);
     if program.sources.contains(&MODEL) {
         // It does not include the library's header, so nothing else tells it the sizes.
         command.arg(format!("-DDP_BUFSIZE={}", library.sizes.bufsize));
@@ -323,6 +329,7 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
     }
     let output = run(&mut command);
     assert!(output.status.success(), "{} does not compile:\n{command:?}\n{}", program.name, text(&output));
+    fs::rename(new, &executable).unwrap();
     Some(executable)
 }
 
