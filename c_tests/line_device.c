@@ -233,6 +233,12 @@ static void setting_of_time(void)
     now += 10;
     CHECK(answers(SET_ON, "c=setswitch_resp&state=1&pwm=254&id=" ID "&t=13\n"));
     CHECK_INT(board.executed, 2);
+    /* What was forgotten stays so when the clock has come round. */
+    now += 10;
+    poll_all();
+    now -= 10;
+    CHECK(answers(SET_ON, "c=setswitch_resp&state=1&pwm=254&id=" ID "&t=14\n"));
+    CHECK_INT(board.executed, 3);
 }
 
 /* The same command with the same t, 256 messages later, is a new one, however few commands came in between. */

@@ -91,6 +91,23 @@ static void functions_may_call_again(void)
     CHECK(answers(SET_ON, IS_ON));
 }
 
+static void sending_may_call_again(void)
+{
+    begin();
+    /* Nothing is taken that would be lost. */
+    board.receives = 1;
+    CHECK(answers(SET_ON, IS_ON));
+    CHECK(answers("c=linksetup&ack=on&t=12&id=IDMANG\n", "c=ack&checksum=null&t=12&id=IDMANG\n"
+                                                          "c=linksetup_resp&ack=on&checksum=none&id=IDMANG&t=13\n"));
+    /* One that begins anew has nothing to answer, nor to execute. */
+    board.receives = 0;
+    board.restarts = 1;
+    receive("c=setswitch&state=1&t=13&id=" ID "\n", (int)strlen("c=setswitch&state=1&t=13&id=" ID "\n"));
+    CHECK(strncmp(sent, "c=ack&checksum=null&t=13&id=" ID "\nc=welcome&", 44) == 0);
+    CHECK(strstr(sent, "onerror") == NULL && strstr(sent, "_resp") == NULL);
+    CHECK_INT(board.executed, 1);
+}
+
 /* A line a call, a thing a call. */
 static void one_thing_at_a_time(void)
 {
@@ -353,6 +370,7 @@ int main(void)
     events_count();
     answers_that_do_not_fit();
     functions_may_call_again();
+    sending_may_call_again();
     one_thing_at_a_time();
     if (OLP_REPLY_MAX >= 96)
         speaks_like_the_sample();

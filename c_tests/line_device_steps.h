@@ -15,6 +15,7 @@ static unsigned long now;
 static char sent[4096]; /* the lines sent */
 static struct {
     int executed, refuses, reenters, adds; /* adds: so many bytes more in the answer */
+    int receives, restarts;                /* while a line is sent */
     long state;
     const char *bad; /* what is wrong with the answer */
 } board;
@@ -27,6 +28,10 @@ static int send_line(const void *line, int bytes, void *usr)
     CHECK(memchr(line, '\n', (size_t)bytes) == (const char *)line + bytes - 1);
     if (strlen(sent) + (size_t)bytes < sizeof sent)
         strncat(sent, line, (size_t)bytes);
+    if (board.receives)
+        CHECK_INT(olp_device_receive(&device, "c=x\n", 4, now), 0);
+    if (board.restarts && strncmp(line, "c=ack", 5) == 0)
+        CHECK_INT(olp_device_restart(&device), OLP_RC_SUCCESS);
     return -1; /* is ignored */
 }
 

@@ -214,7 +214,9 @@ static void hostile(void)
     CHECK_INT(olp_finish(&line, 0), -OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_begin(&line, out, -1, "x"), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_begin_command(&line, out, INT_MIN, "x"), OLP_RC_ERROR_GENERIC);
+    out[0] = 'c';
     CHECK_INT(olp_begin(&line, out, 8, NULL), OLP_RC_ERROR_GENERIC);
+    CHECK_INT(out[0], 0);
     CHECK_INT(olp_add_int(NULL, "x", 1), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_finish(NULL, 1), -OLP_RC_ERROR_GENERIC);
 }
