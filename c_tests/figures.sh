@@ -13,8 +13,9 @@ Written by \`make figures\`, on $(uname -m) with $(rustc --version | cut -d ' ' 
 
 ## Instructions for each byte of the wire
 
-Counted by callgrind, calls inclusive. \`model\` is plain C: for the deltarobot format a model of the original's algorithm, for the
-others the obvious way. \`full-ring\`: one \`dp_recv\`, for each byte of the ring. Also printed by \`make bench\`, with times.
+Counted by callgrind, calls inclusive. \`model\` is plain C: for the deltarobot format a model of the original's
+algorithm, for the others the obvious way. \`full-ring\`: one \`dp_recv\`, for each byte of the ring. Also printed by
+\`make bench\`, with times.
 
 | case | library | model | goal |
 |---|---|---|---|

@@ -1,4 +1,7 @@
-/* Uses the library and prints which version and sizes it got: ring, payload, window of the line protocol. C, and by consumer.cpp C++. */
+/*
+ * Uses the library and prints which version and sizes it got: ring, payload, window of the line protocol. C, and by
+ * consumer.cpp C++.
+ */
 #include "libdeltarobot/line_host.h"
 #include "libdeltarobot/protocol.h"
 #include "libdeltarobot/protocol_ext.h"

@@ -174,7 +174,10 @@ static void move_arms(struct controller *controller)
         send(controller, DP_OPCODE_GENERAL_ERR, 0, 0);
         report(controller);
     } else if (arrived == 3) {
-        /* Hosts after the specification wait for h or m, those of shipped firmware for a report with IDLE: both get theirs. */
+        /*
+         * Hosts after the specification wait for h or m, those of shipped firmware for a report with IDLE: both get
+         * theirs.
+         */
         send(controller, controller->status == DP_STATUS_HOMING ? DP_OPCODE_HOMING_REPL : DP_OPCODE_MOVE_REPL, 0, 0);
         controller->known = 1;
         controller->status = DP_STATUS_IDLE;

@@ -386,8 +386,8 @@ int gx_motion_poll(struct gx_motion *motion,
 GX_SIZED("gx_motion_poll");
 
 /**
- * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only sets
- * the velocity is no move: it takes effect, and ends, in its turn.
+ * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
+ * sets the velocity is no move: it takes effect, and ends, in its turn.
  *
  * move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
  * all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,

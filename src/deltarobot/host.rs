@@ -301,7 +301,8 @@ impl Host {
     }
 
     /// Writes the frame of the next request that fits in `room` bytes, and returns its length; 0 when there is none:
-    /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it leaves.
+    /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it
+    /// leaves.
     pub fn output(&mut self, frame: &mut [u8; REQUEST_MAX], room: usize, now: u32) -> usize {
         let operation = match Opcode(self.opcode) {
             Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),

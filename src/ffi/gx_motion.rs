@@ -169,8 +169,8 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
 }
 sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int);
 
-/// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only sets
-/// the velocity is no move: it takes effect, and ends, in its turn.
+/// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
+/// sets the velocity is no move: it takes effect, and ends, in its turn.
 ///
 /// move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
 /// all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,

@@ -59,8 +59,8 @@ pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut
 }
 
 /// Fills a buffer of C's with as many messages as fit: `next` writes one, is told how much room is left, and tells the
-/// length, 0 when there is none that fits. Returns how many bytes were written, or `None` where pointer and size stand for
-/// nothing.
+/// length, 0 when there is none that fits. Returns how many bytes were written, or `None` where pointer and size stand
+/// for nothing.
 ///
 /// # Safety
 ///

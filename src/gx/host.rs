@@ -11,8 +11,8 @@
 //! both keeps numbers in order from there on, and says so: before the second number it sends the first one back again.
 //! If that does not come, the request before may have got lost, and all begins anew with other numbers. Else the motion
 //! side expects the next number, and from here on the moves are numbered. (Where the first request was sent more than
-//! once, a late answer to it could pass for that. Then the second is sent again behind its answer, and what comes behind
-//! that counts.)
+//! once, a late answer to it could pass for that. Then the second is sent again behind its answer, and what comes
+//! behind that counts.)
 //!
 //! # A move
 //!

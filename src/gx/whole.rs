@@ -11,8 +11,8 @@ use super::packed::{FOUR_HIGH, signed, unpack28};
 const HIGHS: u64 = 0x8080_8080_8080_8080;
 const NONE: NumberField = NumberField { value: 0, format: 0 };
 
-/// Reads a vector of x and y, or deltas of x, y and z or of all axes, if `bytes` begin with one. Tells the length of the
-/// command: 0 if it is not there whole, `None` if it is another.
+/// Reads a vector of x and y, or deltas of x, y and z or of all axes, if `bytes` begin with one. Tells the length of
+/// the command: 0 if it is not there whole, `None` if it is another.
 #[inline(always)]
 pub(super) fn read_frequent(bytes: &[u8], item: &mut Item) -> Option<usize> {
     let Some(first) = bytes.first_chunk() else { return Some(0) };

@@ -1,8 +1,8 @@
 //! How a message comes out of the ring.
 //!
 //! On hosts by the short ways of the core, where they lead; each in a function of its own, that ends in a jump to the
-//! next: every register that one needs would have to be saved by all calls of `dp_recv`, most of which only find that the
-//! frame is not complete yet.
+//! next: every register that one needs would have to be saved by all calls of `dp_recv`, most of which only find that
+//! the frame is not complete yet.
 
 use core::ffi::{c_int, c_uchar};
 use core::mem::MaybeUninit;

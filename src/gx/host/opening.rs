@@ -60,7 +60,8 @@ impl Host {
                 let stage = if self.is & IS_REPEATED == 0 { SECOND } else { LATE };
                 self.ask(stage, number.wrapping_add(STRIDE));
             }
-            // Behind this no late answer to the first can come: what it is answered by when it is sent once more counts.
+            // Behind this no late answer to the first can come: what it is answered by when it is sent once more
+            // counts.
             LATE if is_this => self.ask(SECOND, number),
             ECHOED if is_this => self.opens(),
             SECOND if is_this => self.doubts_order(),
