@@ -167,11 +167,12 @@ impl Ring {
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), self.used.wrapping_sub(int(size)));
     }
 
-    /// Judges what the ring starts with, wherever that lies. `None` when its fields are out of range.
+    /// Judges what the ring starts with, wherever that lies. `None` when the start is out of range. More bytes than a
+    /// ring has are waited for by nobody, and refused by who takes them.
     #[inline(always)]
     pub(crate) fn look(&self) -> Option<(usize, Candidate)> {
-        let (start, used) = (self.start.cast_unsigned() as usize, self.used.cast_unsigned() as usize);
-        (start < DP_BUFSIZE && used <= DP_BUFSIZE).then(|| (start, self.judge(start, used)))
+        let start = self.start.cast_unsigned() as usize;
+        (start < DP_BUFSIZE).then(|| (start, self.judge(start, self.used.cast_unsigned() as usize)))
     }
 
     /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
