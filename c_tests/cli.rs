@@ -95,6 +95,16 @@ fn interrupt(child: &Child) {
     assert!(status.success());
 }
 
+/// Where arms arrive after ten minutes at the speed of a simulator that is [`homed`].
+const FAR: &str = "120000";
+
+/// A simulator whose robot knows where it is.
+fn homed() -> Running {
+    let sim = Running::sim(&["--speed", "200"]);
+    printed(&["home", &sim.device], FINISHED);
+    sim
+}
+
 /// A path that nothing is at.
 fn fresh(name: &str) -> PathBuf {
     let path = out_dir().join(name);
@@ -106,11 +116,11 @@ fn utf8(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Waits until that is so.
+/// Waits until that is so. What takes minutes is not slow: it won't be.
 fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     let began = Instant::now();
     while !is_so() {
-        assert!(began.elapsed() < Duration::from_secs(20), "{what}");
+        assert!(began.elapsed() < Duration::from_secs(300), "{what}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -160,10 +170,9 @@ mod requests {
 
     #[test]
     fn an_operation_goes_on_without_us_and_is_cancelled() {
-        let sim = Running::sim(&["--speed", "20"]);
+        let sim = homed();
         let port = sim.device.as_str();
-        printed(&["home", port], FINISHED);
-        assert_eq!(printed(&["move", "90", "90", "90", port, "--no-wait"], FINISHED), "move: accepted\n");
+        assert_eq!(printed(&["move", FAR, FAR, FAR, port, "--no-wait"], FINISHED), "move: accepted\n");
         assert!(printed(&["status", port], FINISHED).starts_with("MOVING  "));
         let cancelled = json(&["cancel", port, "--json"], FINISHED);
         assert_eq!(cancelled["status"]["state"], "IDLE");
@@ -172,9 +181,8 @@ mod requests {
 
     #[test]
     fn an_interrupted_move_is_cancelled() {
-        let sim = Running::sim(&["--speed", "20"]);
-        printed(&["home", &sim.device], FINISHED);
-        let mut moving = deltarobot(&["move", "90", "90", "90", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
+        let sim = homed();
+        let mut moving = deltarobot(&["move", FAR, FAR, FAR, &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
         let mut said = String::new();
         BufReader::new(moving.stdout.take().unwrap()).read_line(&mut said).unwrap();
         assert!(said.starts_with("MOVING  "), "{said}");
@@ -262,9 +270,8 @@ mod devices {
 
     #[test]
     fn a_device_is_not_shared() {
-        let sim = Running::sim(&["--speed", "20"]);
-        printed(&["home", &sim.device], FINISHED);
-        let mut moving = deltarobot(&["move", "90", "90", "90", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
+        let sim = homed();
+        let mut moving = deltarobot(&["move", FAR, FAR, FAR, &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
         let mut said = String::new();
         BufReader::new(moving.stdout.take().unwrap()).read_line(&mut said).unwrap();
         complains(&["status", &sim.device], DEVICE, "in use by another program");
