@@ -2,6 +2,7 @@
 
 mod gx;
 mod line;
+mod output;
 mod sessions;
 mod talk;
 
@@ -161,14 +162,6 @@ mod requests {
     }
 
     #[test]
-    fn plain_lines_where_there_is_no_terminal() {
-        let sim = Running::sim(&["--speed", "200"]);
-        let said = printed(&["home", &sim.device], FINISHED);
-        assert!(!said.contains(['\r', '\x1b']), "{said:?}");
-        assert!(said.starts_with("HOMING  ") && said.contains("\nhome finished after "), "{said}");
-    }
-
-    #[test]
     fn an_operation_goes_on_without_us_and_is_cancelled() {
         let sim = homed();
         let port = sim.device.as_str();
@@ -199,13 +192,16 @@ mod requests {
     }
 
     #[test]
-    fn closed_standard_output_changes_nothing() {
-        let sim = Running::sim(&["--speed", "200"]);
-        let mut homing = deltarobot(&["home", &sim.device]).stdout(Stdio::piped()).spawn().unwrap();
-        drop(homing.stdout.take());
-        assert_eq!(homing.wait().unwrap().code(), Some(FINISHED));
-        let status = json(&["status", &sim.device, "--json"], FINISHED);
-        assert_eq!(status["status"]["position"], serde_json::json!([0.0, 0.0, 0.0]));
+    fn a_port_on_the_command_line_comes_before_that() {
+        let sim = Running::sim(&[]);
+        let elsewhere = |arguments: &[&str]| run(deltarobot(arguments).env("DELTAROBOT_PORT", "/nonexistent/tty"));
+        assert_eq!(elsewhere(&["status"]).status.code(), Some(DEVICE));
+        for arguments in [&["status", &sim.device] as &[&str], &["status", "-p", &sim.device]] {
+            let output = elsewhere(arguments);
+            assert_eq!(output.status.code(), Some(FINISHED), "{arguments:?}: {}", text(&output));
+        }
+        let output = run(deltarobot(&["status"]).env("DELTAROBOT_PORT", ""));
+        assert_eq!(output.status.code(), Some(USAGE), "{}", text(&output));
     }
 }
 
@@ -355,31 +351,6 @@ mod decode {
         assert_eq!(said, "garbage: FF\nSTATUS?\ngarbage: 24 53 00 B2 3A 24 4D (checksum B2 instead of B1)\n");
         assert_eq!(printed(&["decode", ""], NOT_DONE), "");
     }
-
-    #[test]
-    fn standard_output_that_is_full_is_an_error_and_one_that_is_closed_is_not() {
-        let mut command = deltarobot(&["decode", "24 53 00 B1 3A"]);
-        let full = command.stdout(fs::File::options().write(true).open("/dev/full").unwrap());
-        assert_eq!(full.status().unwrap().code(), Some(DEVICE));
-        let many = "24 53 00 B1 3A ".repeat(5000);
-        let mut child = deltarobot(&["decode", &many]).stdout(Stdio::piped()).spawn().unwrap();
-        drop(child.stdout.take());
-        assert_eq!(child.wait().unwrap().code(), Some(FINISHED));
-    }
-}
-
-/// On a terminal, which `script` gives it, the position is shown while the robot moves.
-#[test]
-fn a_live_line_on_a_terminal() {
-    if !has_tool("script", "--version") {
-        return;
-    }
-    let sim = Running::sim(&["--speed", "50"]);
-    let shell = format!("{} home {}", env!("CARGO_BIN_EXE_deltarobot"), sim.device);
-    let output = run(Command::new("script").args(["-qec", &shell, "/dev/null"]));
-    let said = text(&output);
-    assert!(output.status.success() && said.contains("\rHOMING  ") && said.contains("\x1b[K"), "{said:?}");
-    assert!(said.contains("home finished after "), "{said:?}");
 }
 
 /// The demonstration: the simulator and a host program in C have to be content with each other.

@@ -114,11 +114,22 @@ mod monitor {
 
     #[test]
     fn text_from_the_wire_does_not_control_the_terminal() {
-        let path = recording("line-control.txt", &[('<', "c=welcome&name=%1B[2J&id=a\x1Bc"), ('<', "c=\x1B%&x")]);
+        // ESC, DEL and CSI as it is in UTF-8, which some terminals obey: written with escapes, and as they are.
+        let lines = ["c=welcome&name=%1B[2J%7F%C2%9B2J&id=a\x1Bc\x7F\u{9b}2J", "c=\x1B\x7F\u{9b}%&x", "c=\u{9b}2J"];
+        let path = recording("line-control.txt", &lines.map(|line| ('<', line)));
+        let can_control = |said: &str| said.contains(|letter: char| letter.is_control() && letter != '\n');
+        let as_json = |source: &[&str], status| {
+            let said = printed(&[source, &["--protocol", "line", "--json"]].concat(), status);
+            assert!(!can_control(&said), "{said:?}");
+            said.lines().map(|line| serde_json::from_str(line).unwrap()).collect::<Vec<Value>>()
+        };
+        let watched = as_json(&["monitor", &path], FINISHED);
+        assert_eq!(watched.last().unwrap()["statistics"]["lines_by_command"]["\\u{9b}2J"], 1);
+        for values in [watched, as_json(&[&["decode"] as &[&str], &lines].concat(), NOT_DONE)] {
+            assert_eq!((&values[0]["line"], &values[2]["line"]), (&lines[0].into(), &lines[2].into()));
+        }
         let said = printed(&["monitor", "--protocol", "line", &path], FINISHED);
-        assert!(!said.contains('\x1B') && said.contains("name=\\u{1b}[2J  id=a\\u{1b}c"), "{said:?}");
-        let said = printed(&["monitor", "--protocol", "line", "--json", &path], FINISHED);
-        assert!(!said.contains('\x1B'), "{said:?}");
+        assert!(!can_control(&said) && said.contains("name=\\u{1b}[2J\\u{7f}\\u{9b}2J  id=a\\u{1b}c"), "{said:?}");
     }
 
     #[test]

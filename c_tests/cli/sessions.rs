@@ -144,3 +144,57 @@ fn a_monitor_ends_with_its_reader() {
     });
     assert_eq!(child.wait().unwrap().code(), Some(FINISHED));
 }
+
+#[test]
+fn a_large_file_is_no_longer_shown_after_an_interrupt() {
+    let raw = fresh("cli-large.raw");
+    fs::write(&raw, b"$S\0\xB1:".repeat(100_000)).unwrap();
+    let recording = recording("cli-large.txt", &"0.0 > 24 53 00 B1 3A\n".repeat(100_000));
+    for file in [raw, recording] {
+        let mut monitor = deltarobot(&["monitor", utf8(&file), "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines().map(Result::unwrap);
+        lines.next().unwrap();
+        // By now it waits, or soon will, for room in the pipe.
+        interrupt(&monitor);
+        let last: Value = serde_json::from_str(&lines.last().unwrap()).unwrap();
+        assert_eq!(monitor.wait().unwrap().code(), Some(FINISHED));
+        let frames = last["statistics"]["frames"].as_u64().unwrap();
+        assert!((1..50_000).contains(&frames), "{file:?}: {frames}");
+    }
+}
+
+#[test]
+fn a_broken_recording_is_an_error_and_nothing_else() {
+    let broken = recording("cli-broken.txt", "0.0 > 24 53 00 B1 3A\n0.1 ? 24\n");
+    let about = "line 3: `?` is neither > nor <";
+    for arguments in [&["monitor", utf8(&broken)] as &[&str], &["monitor", "--json", utf8(&broken)]] {
+        complains(arguments, DEVICE, about);
+        assert_eq!(printed(arguments, DEVICE), "");
+    }
+    let output = deltarobot(&["monitor", "-"]).stdin(fs::File::open(&broken).unwrap()).output().unwrap();
+    assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(DEVICE), b"".as_slice()));
+    assert!(super::text(&output).contains(about), "{}", super::text(&output));
+    complains(&["replay", utf8(&broken), "-"], DEVICE, about);
+}
+
+#[test]
+fn a_side_that_never_sent_anything_is_not_replayed() {
+    let silent = recording("cli-silent.txt", "0.0 > 24 53 00 B1 3A\n");
+    let about = "cli-silent.txt: nothing in it was sent by the controller; try --side";
+    complains(&["replay", utf8(&silent), "-", "--side", "controller"], USAGE, about);
+}
+
+#[test]
+fn a_recording_stays_when_another_can_not_begin() {
+    let kept = recording("cli-kept.txt", "0.0 > 24 53 00 B1 3A\n");
+    let before = fs::read(&kept).unwrap();
+    let sim = Running::sim(&[]);
+    let taken = fresh("cli-taken");
+    fs::write(&taken, "mine").unwrap();
+    let to_tap = ["record", &sim.device, utf8(&kept), "--tap", "--link", utf8(&taken)];
+    complains(&to_tap, DEVICE, "cli-taken: File exists");
+    for option in [&["--tap"] as &[&str], &[]] {
+        complains(&[&["record", "/dev/null", utf8(&kept)], option].concat(), DEVICE, "/dev/null: not a serial port");
+    }
+    assert_eq!(fs::read(&kept).unwrap(), before);
+}

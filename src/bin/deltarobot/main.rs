@@ -75,21 +75,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let command = match Cli::try_parse() {
-        Ok(cli) => cli.command,
-        Err(error) => return explain(&error).into(),
-    };
-    let result = match command {
-        Command::Sim(arguments) => sim::run(&arguments),
-        Command::Home(arguments) => operation::home(&arguments),
-        Command::Move(arguments) => operation::move_to(&arguments),
-        Command::Status(arguments) => operation::status(&arguments),
-        Command::Cancel(arguments) => operation::cancel(&arguments),
-        Command::Monitor(arguments) => monitor::run(&arguments),
-        Command::Decode(arguments) => decode::run(&arguments),
-        Command::Record(arguments) => record::run(&arguments),
-        Command::Replay(arguments) => replay::run(&arguments),
-    };
+    let result = Cli::try_parse().map_or_else(|error| explain(&error), |cli| run(&cli.command));
     let (status, said) = match result {
         Ok(status) => (status, None),
         // Who reads what we print has seen enough.
@@ -104,20 +90,31 @@ fn main() -> ExitCode {
     status.into()
 }
 
-/// Prints help where it was asked for, and else what is wrong with the command line: on one line.
-fn explain(error: &clap::Error) -> Status {
+fn run(command: &Command) -> Result<Status, Failure> {
+    match command {
+        Command::Sim(arguments) => sim::run(arguments),
+        Command::Home(arguments) => operation::home(arguments),
+        Command::Move(arguments) => operation::move_to(arguments),
+        Command::Status(arguments) => operation::status(arguments),
+        Command::Cancel(arguments) => operation::cancel(arguments),
+        Command::Monitor(arguments) => monitor::run(arguments),
+        Command::Decode(arguments) => decode::run(arguments),
+        Command::Record(arguments) => record::run(arguments),
+        Command::Replay(arguments) => replay::run(arguments),
+    }
+}
+
+/// Prints help where it was asked for; else says what is wrong with the command line, on one line.
+fn explain(error: &clap::Error) -> Result<Status, Failure> {
     if !error.use_stderr() {
-        // If nobody reads it, nobody does.
-        let _ = error.print();
-        return Status::Finished;
+        error.print()?;
+        return Ok(Status::Finished);
     }
     if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        screen::complain("a subcommand is needed; try --help");
-        return Status::Usage;
+        return Err(Failure::Usage("a subcommand is needed; try --help".into()));
     }
     let text = error.render().to_string();
     let said = text.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
     let said: Vec<_> = said.lines().map(str::trim).collect();
-    screen::complain(&format!("{}; try --help", said.join(" ")));
-    Status::Usage
+    Err(Failure::Usage(format!("{}; try --help", said.join(" "))))
 }
