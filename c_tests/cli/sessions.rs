@@ -134,6 +134,17 @@ fn a_monitor_reads_standard_input() {
 }
 
 #[test]
+fn a_recording_inside_of_a_stream_is_garbage() {
+    let file = fresh("cli-inside.raw");
+    // It begins where a piece does in which the monitor reads.
+    let (frame, before) = (b"$S\0\xB1:".as_slice(), b"$S\0\xB1:".repeat(819));
+    fs::write(&file, [&before, b"-".as_slice(), HEADER.as_bytes(), frame].concat()).unwrap();
+    let output = deltarobot(&["monitor", "-"]).stdin(fs::File::open(&file).unwrap()).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.ends_with(": 820 frames (820 STATUS?), 26 bytes of garbage, 0 wrong checksums\n"), "{said}");
+}
+
+#[test]
 fn a_monitor_ends_with_its_reader() {
     let mut child = deltarobot(&["monitor", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
