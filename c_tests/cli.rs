@@ -23,6 +23,9 @@ const DEVICE: i32 = 3;
 const TIMED_OUT: i32 = 4;
 const CANCELLED: i32 = 5;
 
+/// What has not come by then won't come, however slow the machine.
+const PATIENCE: Duration = Duration::from_secs(300);
+
 fn deltarobot(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_deltarobot"));
     command.args(arguments).env_remove("DELTAROBOT_PORT");
@@ -117,11 +120,11 @@ fn utf8(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Waits until that is so. What takes minutes is not slow: it won't be.
+/// Waits until that is so.
 fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     let began = Instant::now();
     while !is_so() {
-        assert!(began.elapsed() < Duration::from_secs(300), "{what}");
+        assert!(began.elapsed() < PATIENCE, "{what}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
