@@ -38,7 +38,7 @@ pub(crate) enum Glance {
     /// A byte that begins no frame, or nothing.
     NoStart,
     /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows.
-    NoHead,
+    NoHead { opcode: usize },
 }
 
 /// What is true of a candidate that [`Ring::glance`] saw whole.
@@ -99,7 +99,7 @@ impl Ring {
             return Some(Glance::NoStart);
         }
         if length >= limit(Opcode(opcode)) {
-            return Some(Glance::NoHead);
+            return Some(Glance::NoHead { opcode: opcode.into() });
         }
         // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest.
         if (self.used.cast_unsigned() as usize) < length.wrapping_add(FRAME_OVERHEAD) {
@@ -116,9 +116,8 @@ impl Ring {
 
     /// Whether the head that [`glance`](Self::glance) missed has yet to come.
     #[inline(always)]
-    pub(crate) fn awaits_head(&self) -> bool {
-        let opcode = || Opcode(self.byte((self.start.cast_unsigned() as usize).wrapping_add(1)));
-        self.used.cast_unsigned() <= 1 || self.used == 2 && limit(opcode()) != 0
+    pub(crate) fn awaits_head(&self, opcode: usize) -> bool {
+        self.used.cast_unsigned() <= 1 || self.used == 2 && LIMITS.get(opcode).is_some_and(|limit| *limit != 0)
     }
 
     /// Proves a candidate that lies in one piece.
@@ -301,9 +300,11 @@ mod tests {
         let mut room = [0; FRAME_MAX];
         let (start, opcode, length) = match before.glance() {
             Some(Glance::Waiting) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-            Some(Glance::NoHead) if before.awaits_head() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+            Some(Glance::NoHead { opcode }) if before.awaits_head(opcode) => {
+                return Some(outcome(&ring, Err(NoFrame::Waiting)));
+            }
             Some(Glance::NoStart) if before.is_empty() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-            Some(Glance::NoHead | Glance::NoStart) => return Some(behind_garbage(ring)),
+            Some(Glance::NoHead { .. } | Glance::NoStart) => return Some(behind_garbage(ring)),
             Some(Glance::Whole { start, opcode, length }) => (start, Opcode(opcode), length),
             None => match before.look()? {
                 (_, Candidate::Incomplete) => return Some(outcome(&ring, Err(NoFrame::Waiting))),

@@ -29,9 +29,9 @@ pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg
         }
         match ring.glance() {
             Some(Glance::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
-            Some(Glance::Whole { start, opcode, length }) => whole(ring, msg, start, opcode, length),
+            Some(Glance::Whole { start, opcode, length }) => whole(ring, msg, opcode, start, length),
             Some(Glance::NoStart) => no_start(ring, msg),
-            Some(Glance::NoHead) => no_head(ring, msg),
+            Some(Glance::NoHead { opcode }) => no_head(ring, msg, opcode),
             None => unclear(ring, msg),
         }
     }
@@ -57,40 +57,40 @@ pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg,
 /// A whole candidate. Lengths that the compiler knows make shorter code: requests have no payload, an acknowledgement
 /// one byte, moves and reports 12 to 16.
 #[inline(never)]
-unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
     // SAFETY: the same contract.
     unsafe {
         match length {
-            8..=16 => whole_of(ring, msg, start, opcode, length),
-            17.. => whole_long(ring, msg, start, opcode, length),
-            0 => whole_of(ring, msg, start, opcode, 0),
-            1 => whole_of(ring, msg, start, opcode, 1),
-            _ => whole_short(ring, msg, start, opcode, length),
+            8..=16 => whole_of(ring, msg, opcode, start, length),
+            17.. => whole_long(ring, msg, opcode, start, length),
+            0 => whole_of(ring, msg, opcode, start, 0),
+            1 => whole_of(ring, msg, opcode, start, 1),
+            _ => whole_short(ring, msg, opcode, start, length),
         }
     }
 }
 
 /// 17 bytes or more: here the compiler learns it.
 #[inline(never)]
-unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, start, opcode, length.max(17)) }
+    unsafe { whole_of(ring, msg, opcode, start, length.max(17)) }
 }
 
 #[inline(never)]
-unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, start, opcode, length) }
+    unsafe { whole_of(ring, msg, opcode, start, length) }
 }
 
 #[inline(always)]
-unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
     // SAFETY: the same contract.
     unsafe {
         match ring.prove(start, Opcode(opcode), length) {
             Proof::Frame(payload) => deliver(msg, opcode, payload),
             Proof::Garbage => return behind_garbage(ring, msg),
-            Proof::Unclear => return across(ring, msg, start, opcode, length),
+            Proof::Unclear => return across(ring, msg, opcode, start, length),
         }
         ring.drop_frame(start, length);
         DP_RC_SUCCESS
@@ -99,7 +99,7 @@ unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode:
 
 /// A whole candidate, across the ring's end.
 #[inline(never)]
-unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, start: usize, opcode: u8, length: usize) -> c_int {
+unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         // One by one, which never becomes a call of memset.
@@ -120,7 +120,7 @@ unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         match ring.look() {
-            Some((start, Candidate::Frame(opcode, length))) => across(ring, msg, start, opcode.0, length),
+            Some((start, Candidate::Frame(opcode, length))) => across(ring, msg, opcode.0, start, length),
             Some((_, Candidate::Incomplete)) => answer(msg, Some(Err(NoFrame::Waiting))),
             Some((_, Candidate::Garbage)) => behind_garbage(ring, msg),
             None => any_message(ring, msg, false, 0),
@@ -137,9 +137,9 @@ unsafe fn no_start(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
 
 /// A start, behind which the head is wrong or has yet to come.
 #[inline(never)]
-unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { if ring.awaits_head() { answer(msg, Some(Err(NoFrame::Waiting))) } else { pass_garbage(ring, msg) } }
+    unsafe { if ring.awaits_head(opcode) { answer(msg, Some(Err(NoFrame::Waiting))) } else { pass_garbage(ring, msg) } }
 }
 
 /// A byte that is known to begin no frame.
