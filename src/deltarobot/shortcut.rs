@@ -59,20 +59,21 @@ pub(super) fn limit(opcode: Opcode) -> usize {
 }
 
 impl Ring {
-    /// Adds a byte behind the others, or tells the place past the ring's end where it would be.
+    /// Adds a byte behind the others, or tells the place past the ring's end where it would be, and how many there are.
     #[inline(always)]
-    pub(crate) fn push(&mut self, byte: u8) -> Result<(), usize> {
-        let end = (self.used.cast_unsigned() as usize).wrapping_add(self.start.cast_unsigned() as usize);
+    pub(crate) fn push(&mut self, byte: u8) -> Result<(), (usize, usize)> {
+        let used = self.used.cast_unsigned() as usize;
+        let end = used.wrapping_add(self.start.cast_unsigned() as usize);
         // When even the sum is in range, so are both.
-        *self.bytes.get_mut(end).ok_or(end)? = byte;
+        *self.bytes.get_mut(end).ok_or((end, used))? = byte;
         self.used = self.used.wrapping_add(1);
         Ok(())
     }
 
     /// Adds a byte in front of the others, which end there; unless the ring is full, or its fields are out of range.
     #[inline(always)]
-    pub(crate) fn push_in_front(&mut self, end: usize, byte: u8) -> bool {
-        let (start, used) = (self.start.cast_unsigned() as usize, self.used.cast_unsigned() as usize);
+    pub(crate) fn push_in_front(&mut self, end: usize, used: usize, byte: u8) -> bool {
+        let start = self.start.cast_unsigned() as usize;
         let are_inside = if DP_BUFSIZE.is_power_of_two() {
             start | used < DP_BUFSIZE
         } else {
@@ -429,7 +430,7 @@ mod tests {
             let mut ring = Ring::new();
             (ring.start, ring.used) = (start, used);
             let mut other = ring.clone();
-            if ring.push(byte).map_or_else(|end| ring.push_in_front(end, byte), |()| true) {
+            if ring.push(byte).map_or_else(|(end, used)| ring.push_in_front(end, used, byte), |()| true) {
                 prop_assert_eq!(other.append(&[byte]), Ok(()));
             }
             prop_assert_eq!(outcome(&ring, Err(NoFrame::Waiting)), outcome(&other, Err(NoFrame::Waiting)));

@@ -159,10 +159,10 @@ unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
     // SAFETY: where neither is NULL, they are a ring and a byte by the contract of dp_process; else the same contract.
     unsafe {
         if FAST && neither_null(data, buf) && bytes == 1 {
-            if let Err(end) = (*data).push(*buf.cast()) {
-                return process_in_front(data, buf, end);
-            }
-            return DP_RC_SUCCESS;
+            return match (*data).push(*buf.cast()) {
+                Ok(()) => DP_RC_SUCCESS,
+                Err((end, used)) => process_in_front(data, buf, end, used),
+            };
         }
         process_any(data, buf, bytes)
     }
@@ -174,9 +174,9 @@ unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
 ///
 /// As for [`dp_process`], with neither pointer NULL, and a single byte.
 #[inline(never)]
-unsafe fn process_in_front(data: *mut Ring, buf: *mut c_void, end: usize) -> c_int {
+unsafe fn process_in_front(data: *mut Ring, buf: *mut c_void, end: usize, used: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { if (*data).push_in_front(end, *buf.cast()) { DP_RC_SUCCESS } else { process_any(data, buf, 1) } }
+    unsafe { if (*data).push_in_front(end, used, *buf.cast()) { DP_RC_SUCCESS } else { process_any(data, buf, 1) } }
 }
 
 /// Any number of bytes. A function of its own where there is a faster way for a single one.

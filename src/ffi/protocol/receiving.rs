@@ -139,7 +139,9 @@ unsafe fn no_start(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
 #[inline(never)]
 unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { if ring.awaits_head(opcode) { answer(msg, Some(Err(NoFrame::Waiting))) } else { pass_garbage(ring, msg) } }
+    unsafe {
+        if ring.awaits_head(opcode) { answer(msg, Some(Err(NoFrame::Waiting))) } else { behind_garbage(ring, msg) }
+    }
 }
 
 /// A byte that is known to begin no frame.
