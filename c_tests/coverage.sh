@@ -40,15 +40,14 @@ LLVM_PROFILE_FILE="$work/c/%p.profraw"
 instrumented rustc --quiet --crate-type staticlib
 cp "$work/$host/debug/libdeltarobot.a" "$work"
 # Programs of other runs count nothing, which llvm-cov doesn't like.
-programs=${CARGO_TARGET_DIR:-target}/tmp/c_tests
-rm -f "$programs"/*-128-32-static
+touch "$work/begun"
 # With the features of `make test`, whose build is used again.
-DP_COVERAGE="$work" cargo test --quiet --features cli --test c_tests -- linked_statically --skip traces:: >"$work/log" 2>&1 || {
-    cat "$work/log"; exit 1
-}
+DP_COVERAGE="$work" cargo test --quiet --features cli --test c_tests -- linked_statically --skip traces:: \
+    >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+programs=$(find "${CARGO_TARGET_DIR:-target}/tmp/c_tests" -name '*-128-32-static' -newer "$work/begun")
 
-# shellcheck disable=SC2086 # a list of files
-{ lines unit $tests; lines c "$programs"/*-128-32-static; } | sort -u | awk -v goal="$goal" '
+# shellcheck disable=SC2086 # lists of files
+{ lines unit $tests; lines c $programs; } | sort -u | awk -v goal="$goal" '
     !(($1, $2) in ran) { ran[$1, $2] = 0; if (!($1 in all)) files[++n] = $1; all[$1]++ }
     $3 > 0 && !ran[$1, $2] { ran[$1, $2] = 1; hit[$1]++ }
     function row(name, lines, run) { printf "%-40s %6d lines %6.1f %%\n", name, lines, lines ? 100 * run / lines : 100 }
