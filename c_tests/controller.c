@@ -12,7 +12,7 @@ static struct dp_controller controller;
 static int usr_object;
 
 static struct {
-    int state, refuses, reenters;
+    int state, refuses, reenters, unmakes;
     float at[3];
     struct protocol_msg_position target;
 } robot;
@@ -51,6 +51,8 @@ static int move(const struct protocol_msg_position *target, void *usr)
         CHECK_INT(dp_controller_receive(&controller, "$S\0\xB1:", 5), DP_RC_SUCCESS);
         CHECK_INT(dp_controller_poll(&controller), DP_RC_SUCCESS);
     }
+    if (robot.unmakes)
+        CHECK_INT(dp_controller_init(&controller, NULL, NULL, 0, 0), DP_RC_ERROR_GENERIC);
     return 0;
 }
 
@@ -259,6 +261,12 @@ static void functions_may_call_again(void)
     begin(0, 0);
     robot.reenters = 1;
     CHECK(answers('M', THERE, 12, "move s2 A(M) s2 "));
+
+    /* What they do to it may leave nothing to answer with. */
+    begin(0, 0);
+    robot.unmakes = 1;
+    CHECK(answers('M', THERE, 12, "move "));
+    CHECK_INT(dp_controller_poll(&controller), DP_RC_ERROR_GENERIC);
 }
 
 static void missing_functions_refuse(void)

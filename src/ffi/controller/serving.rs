@@ -1,7 +1,7 @@
 //! The firmware's own functions, called where the dispatcher asks for them.
 //!
-//! Everywhere here, the controller is not NULL and ready, and no reference to it lives while one of these functions
-//! runs: they may call the library on it.
+//! Everywhere here, the controller is not NULL, and no reference to it lives while one of these functions runs: they may
+//! call the library on it. It is ready at first; one of them may try to make it anew, without functions.
 
 use core::mem::MaybeUninit;
 
@@ -68,11 +68,11 @@ unsafe fn serve(controller: *mut Controller, order: &Order) {
 unsafe fn carry_out(controller: *mut Controller, judgement: &Judgement) -> bool {
     // SAFETY: as the contract of this function asks, and as calls' own: its functions take usr.
     unsafe {
-        let (calls, usr) = ((*controller).calls, (*controller).usr);
+        let (Some(calls), usr) = ((*controller).calls.as_ref(), (*controller).usr) else { return false };
         match judgement {
-            Judgement::Home => (*calls).home.is_some_and(|home| home(usr) == 0),
-            Judgement::Cancel => (*calls).cancel.is_some_and(|cancel| cancel(usr) == 0),
-            Judgement::Move(target) => (*calls).r#move.is_some_and(|start| {
+            Judgement::Home => calls.home.is_some_and(|home| home(usr) == 0),
+            Judgement::Cancel => calls.cancel.is_some_and(|cancel| cancel(usr) == 0),
+            Judgement::Move(target) => calls.r#move.is_some_and(|start| {
                 let mut position = MaybeUninit::uninit();
                 position_to(position.as_mut_ptr(), *target);
                 start(position.as_ptr(), usr) == 0
@@ -109,7 +109,7 @@ unsafe fn status(controller: *mut Controller) -> Report {
     let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
     // SAFETY: as the contract of this function asks; the report is ours.
     unsafe {
-        if let Some(read) = (*(*controller).calls).read {
+        if let Some(read) = (*controller).calls.as_ref().and_then(|calls| calls.read) {
             read(&raw mut report, (*controller).usr);
         }
         report_from(&raw const report).unwrap_or(Report::new(Position::UNKNOWN, 0))
@@ -121,6 +121,7 @@ unsafe fn status(controller: *mut Controller) -> Report {
 /// # Safety
 ///
 /// As for [`act`].
+#[inline(never)] // That is smaller.
 pub(super) unsafe fn report(controller: *mut Controller) -> Report {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -136,10 +137,9 @@ pub(super) unsafe fn report(controller: *mut Controller) -> Report {
 unsafe fn send(controller: *mut Controller, message: &Message) {
     let mut frame = [MaybeUninit::<u8>::uninit(); FRAME_MAX];
     // SAFETY: as the contract of this function asks.
-    let (calls, usr, layout) = unsafe { ((*controller).calls, (*controller).usr, (*controller).layout) };
+    let (calls, usr, layout) = unsafe { ((*controller).calls.as_ref(), (*controller).usr, (*controller).layout) };
     let encoded = message.encode(layout_of(layout).unwrap_or_default(), &mut frame);
-    // SAFETY: as the contract of this function asks.
-    if let (Some(length), Some(send)) = (encoded, unsafe { (*calls).send }) {
+    if let (Some(length), Some(send)) = (encoded, calls.and_then(|calls| calls.send)) {
         // SAFETY: as calls asks: its functions take usr; encode() wrote that many bytes of the frame.
         unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
     }
