@@ -304,7 +304,7 @@ impl Host {
     /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it
     /// leaves.
     pub fn output(&mut self, frame: &mut [u8; REQUEST_MAX], room: usize, now: u32) -> usize {
-        let operation = match Opcode(self.opcode) {
+        let operation = match self.operation_opcode() {
             Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),
             _ => Message::Homing,
         };
@@ -324,6 +324,14 @@ impl Host {
             }
         }
         0
+    }
+
+    /// What the operation is, whatever the struct holds.
+    const fn operation_opcode(&self) -> Opcode {
+        match Opcode(self.opcode) {
+            Opcode::MOVE => Opcode::MOVE,
+            _ => Opcode::HOMING,
+        }
     }
 
     fn end_operation(&mut self, outcome: Outcome) {

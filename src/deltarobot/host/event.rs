@@ -3,6 +3,7 @@
 use core::ffi::{c_int, c_uchar};
 
 use super::Host;
+use crate::config::DP_DATA_MAX_SIZE;
 use crate::deltarobot::{Opcode, Report};
 
 /// How a request ended.
@@ -58,15 +59,17 @@ impl Host {
         match next {
             TELL_MESSAGE => {
                 let length = usize::try_from(self.message_length).unwrap_or_default();
-                Some(Event::Message(Opcode(self.message_opcode), length))
+                let opcode = Opcode(self.message_opcode);
+                // As received, but for a struct that something else has written to.
+                opcode.is_known().then_some(Event::Message(opcode, length.min(DP_DATA_MAX_SIZE)))
             }
             TELL_STATUS => self.last_report().map(Event::Status),
             TELL_STATE => self.last_report().map(Event::State),
             TELL_ERROR => Some(Event::GeneralError),
             TELL_STATUS_ENDED => Some(Event::Ended(Opcode::STATUS, outcome(self.status_outcome))),
             TELL_CANCEL_ENDED => Some(Event::Ended(Opcode::CANCEL, outcome(self.cancel_outcome))),
-            TELL_ACCEPTED => Some(Event::Accepted(Opcode(self.opcode))),
-            TELL_ENDED => Some(Event::Ended(Opcode(self.opcode), outcome(self.operation_outcome))),
+            TELL_ACCEPTED => Some(Event::Accepted(self.operation_opcode())),
+            TELL_ENDED => Some(Event::Ended(self.operation_opcode(), outcome(self.operation_outcome))),
             _ => None,
         }
     }
@@ -79,5 +82,28 @@ const fn outcome(stored: c_uchar) -> Outcome {
         3 => Outcome::Failed,
         4 => Outcome::Cancelled,
         _ => Outcome::TimedOut,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Event, Host, Opcode, Outcome, TELL_ACCEPTED, TELL_ENDED, TELL_MESSAGE};
+    use crate::config::DP_DATA_MAX_SIZE;
+    use crate::deltarobot::host::Settings;
+
+    #[test]
+    fn what_is_told_is_in_range_whatever_the_struct_holds() {
+        let mut host = Host::new(Settings::new());
+        let mut told = |opcode, length, tell| {
+            (host.opcode, host.message_opcode, host.message_length, host.tell) = (opcode, opcode, length, tell);
+            host.event()
+        };
+        assert_eq!(told(b'A', 1, TELL_MESSAGE), Some(Event::Message(Opcode::ACK, 1)));
+        assert_eq!(told(b'A', -1, TELL_MESSAGE), Some(Event::Message(Opcode::ACK, 0)));
+        assert_eq!(told(b'A', i32::MAX, TELL_MESSAGE), Some(Event::Message(Opcode::ACK, DP_DATA_MAX_SIZE)));
+        assert_eq!(told(b'x', 1, TELL_MESSAGE), None);
+        assert_eq!(told(b'M', 0, TELL_ACCEPTED), Some(Event::Accepted(Opcode::MOVE)));
+        assert_eq!(told(b'x', 0, TELL_ACCEPTED), Some(Event::Accepted(Opcode::HOMING)));
+        assert_eq!(told(b'x', 0, TELL_ENDED), Some(Event::Ended(Opcode::HOMING, Outcome::TimedOut)));
     }
 }
