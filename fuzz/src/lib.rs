@@ -9,4 +9,6 @@ pub mod line_abi;
 pub mod line_board;
 pub mod line_contract;
 pub mod link;
+pub mod link_abi;
+pub mod link_robot;
 pub mod object;
