@@ -37,7 +37,8 @@ pub(crate) enum Glance {
     Whole { start: usize, opcode: u8, length: usize },
     /// A byte that begins no frame, or nothing.
     NoStart,
-    /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows.
+    /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows. The opcode is as wide as
+    /// the register it is in.
     NoHead { opcode: usize },
 }
 
@@ -140,6 +141,7 @@ impl Ring {
         room: &'a mut [u8; FRAME_MAX],
     ) -> Proof<'a> {
         let size = length.wrapping_add(FRAME_OVERHEAD);
+        // Seen before anything is copied: most false starts end here.
         if self.byte(start.wrapping_add(size).wrapping_sub(1)) != FRAME_END {
             return Proof::Garbage;
         }
