@@ -35,7 +35,6 @@ pub use frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, F
 pub use opcode::Opcode;
 pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
 pub use position::{POSITION_SIZE, Position};
-pub(crate) use ring::Candidate;
 pub use ring::{NoFrame, Overflow, Ring, RingByte};
 pub(crate) use shortcut::{Glance, Proof};
 pub use text::{TEXT_MAX, describe};

@@ -4,7 +4,7 @@ use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::{Opcode, bytes, shortcut};
+use super::{Opcode, bytes};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// A byte of the ring; C calls it `char`.
@@ -51,8 +51,8 @@ pub enum NoFrame {
 }
 
 /// What stands at a place in the ring.
-pub(crate) enum Candidate {
-    /// A frame, with so many bytes of payload. On hosts its checksum remains to be proved.
+enum Candidate {
+    /// A frame, with so many bytes of payload.
     Frame(Opcode, usize),
     /// The beginning of a frame, or nothing at all.
     Incomplete,
@@ -94,9 +94,13 @@ impl Ring {
         let taken = input.get(..DP_BUFSIZE).unwrap_or(input);
         if FAST {
             let (front, back) = self.bytes.split_at_mut_checked(end).unwrap_or_default();
-            let (first, rest) = taken.split_at_checked(back.len()).unwrap_or((taken, &[]));
-            bytes::copy(first, back, |byte| byte);
-            bytes::copy(rest, front, |byte| byte);
+            match taken.split_at_checked(back.len()) {
+                None => bytes::copy(taken, back, |byte| byte),
+                Some((first, rest)) => {
+                    bytes::copy(first, back, |byte| byte);
+                    bytes::copy(rest, front, |byte| byte);
+                }
+            }
             end = wrap(end.wrapping_add(taken.len()));
         } else {
             for byte in taken {
@@ -165,7 +169,7 @@ impl Ring {
     /// Judges what stands at `start`, with `used` bytes there in all. A candidate is given up as soon as a byte of it
     /// is wrong, so that what follows it is not waited for in vain.
     #[inline(always)]
-    pub(super) fn judge(&self, start: usize, used: usize) -> Candidate {
+    fn judge(&self, start: usize, used: usize) -> Candidate {
         if used == 0 {
             return Candidate::Incomplete;
         }
@@ -176,8 +180,7 @@ impl Ring {
             return Candidate::Incomplete;
         }
         let opcode = Opcode(self.byte(start.wrapping_add(1)));
-        let known = if FAST { shortcut::limit(opcode) != 0 } else { opcode.is_known() };
-        if !known {
+        if !opcode.is_known() {
             return Candidate::Garbage;
         }
         if used == 2 {
@@ -191,13 +194,7 @@ impl Ring {
         if used < size {
             return Candidate::Incomplete;
         }
-        // A checksum costs much and can be left for what else is right.
-        let is_frame = if FAST {
-            self.byte(start.wrapping_add(size).wrapping_sub(1)) == FRAME_END
-        } else {
-            self.is_intact(start, size)
-        };
-        if is_frame { Candidate::Frame(opcode, length) } else { Candidate::Garbage }
+        if self.is_intact(start, size) { Candidate::Frame(opcode, length) } else { Candidate::Garbage }
     }
 
     /// Whether the frame of `size` bytes at `start` ends as it should.

@@ -5,27 +5,42 @@
 //! rests on a check of `used` that leaves no other reading.
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::ring::{Candidate, NoFrame, Ring, int, wrap};
+use super::ring::{NoFrame, Ring, int, wrap};
 use super::sums::Sums;
 use super::{Opcode, bytes};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
-/// What the length byte of a frame has to be below, by opcode: 0 for bytes that are none.
+/// How many bytes a candidate needs to be judged, by the bytes of its head; in place of [`Opcode::is_known`], which
+/// compares with one opcode after the other.
+struct Needs {
+    /// All ones for an opcode, so that only the length counts; [`WRONG_OPCODE`] for other bytes.
+    by_opcode: [u32; 256],
+    /// The size of a frame of that length, or [`WRONG_LENGTH`].
+    by_length: [u32; 256],
+}
+
+/// So many bytes show that the opcode is wrong, or the length.
+const WRONG_OPCODE: u32 = 2;
+const WRONG_LENGTH: u32 = 3;
+
 #[expect(
     clippy::indexing_slicing,
     clippy::cast_possible_truncation,
     reason = "evaluated by the compiler, for 0 to 255"
 )]
-static LIMITS: [u32; 256] = {
-    let mut limits = [0; 256];
+static NEEDS: Needs = {
+    let mut needs = Needs { by_opcode: [WRONG_OPCODE; 256], by_length: [WRONG_LENGTH; 256] };
     let mut byte = 0;
-    while byte < limits.len() {
+    while byte < 256 {
         if Opcode(byte as u8).is_known() {
-            limits[byte] = DP_DATA_MAX_SIZE as u32 + 1;
+            needs.by_opcode[byte] = u32::MAX;
+        }
+        if byte <= DP_DATA_MAX_SIZE {
+            needs.by_length[byte] = byte.wrapping_add(FRAME_OVERHEAD) as u32;
         }
         byte += 1;
     }
-    limits
+    needs
 };
 
 /// What a ring starts with, when a glance is enough to tell.
@@ -33,14 +48,16 @@ static LIMITS: [u32; 256] = {
 pub(crate) enum Glance {
     /// A head whose rest is waited for.
     Waiting,
-    /// A head, with as many bytes behind it as it asks for. Whether they are a frame, [`Ring::prove`] knows.
-    Whole { start: usize, opcode: u8, length: usize },
+    /// A head, and as many bytes in all as it asks for. Whether they are a frame, [`Ring::prove`] knows.
+    Whole { start: usize, opcode: u8, size: usize },
     /// A byte that begins no frame, or nothing.
     NoStart,
-    /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows. The opcode is as wide as
-    /// the register it is in.
-    NoHead { opcode: usize },
+    /// A start, behind which stands no head. Whether one may come, [`Ring::awaits_head`] knows.
+    NoHead,
 }
+
+/// The opcode and the size of what may be a frame but for its checksum, or why there is none.
+pub(crate) type Judgement = Result<(Opcode, usize), NoFrame>;
 
 /// What is true of a candidate that [`Ring::glance`] saw whole.
 #[derive(Clone, Copy, Debug)]
@@ -53,10 +70,10 @@ pub(crate) enum Proof<'a> {
     Unclear,
 }
 
-/// The entry of [`LIMITS`] for an opcode: in place of [`Opcode::is_known`], which compares with one after the other.
+/// What a table of [`NEEDS`] tells of a byte.
 #[inline(always)]
-pub(super) fn limit(opcode: Opcode) -> usize {
-    LIMITS.get(usize::from(opcode.0)).map_or(0, |limit| *limit as usize)
+fn needed(table: &[u32; 256], byte: u8) -> u32 {
+    table.get(usize::from(byte)).copied().unwrap_or_default()
 }
 
 impl Ring {
@@ -96,18 +113,17 @@ impl Ring {
             return None;
         }
         let &[first, opcode, length] = self.bytes.get(start..)?.first_chunk()?;
-        let length = usize::from(length);
         if first != FRAME_START {
             return Some(Glance::NoStart);
         }
-        if length >= limit(Opcode(opcode)) {
-            return Some(Glance::NoHead { opcode: opcode.into() });
-        }
-        // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest.
-        if (self.used.cast_unsigned() as usize) < length.wrapping_add(FRAME_OVERHEAD) {
+        // With a wrong opcode, 2 or 0.
+        let size = (needed(&NEEDS.by_opcode, opcode) & needed(&NEEDS.by_length, length)) as usize;
+        // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest, or
+        // leave that to NoHead.
+        if (self.used.cast_unsigned() as usize) < size {
             return Some(Glance::Waiting);
         }
-        Some(Glance::Whole { start, opcode, length })
+        Some(if size >= FRAME_OVERHEAD { Glance::Whole { start, opcode, size } } else { Glance::NoHead })
     }
 
     /// Whether there is no byte.
@@ -118,14 +134,14 @@ impl Ring {
 
     /// Whether the head that [`glance`](Self::glance) missed has yet to come.
     #[inline(always)]
-    pub(crate) fn awaits_head(&self, opcode: usize) -> bool {
-        self.used.cast_unsigned() <= 1 || self.used == 2 && LIMITS.get(opcode).is_some_and(|limit| *limit != 0)
+    pub(crate) const fn awaits_head(&self) -> bool {
+        self.used.cast_unsigned() <= 1
     }
 
     /// Proves a candidate that lies in one piece.
     #[inline(always)]
-    pub(crate) fn prove(&self, start: usize, opcode: Opcode, length: usize) -> Proof<'_> {
-        match self.bytes.get(start..start.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)) {
+    pub(crate) fn prove(&self, start: usize, opcode: Opcode, size: usize) -> Proof<'_> {
+        match self.bytes.get(start..start.wrapping_add(size)) {
             Some(candidate) => self.prove_bytes(candidate, opcode),
             None => Proof::Unclear,
         }
@@ -137,10 +153,9 @@ impl Ring {
         &self,
         start: usize,
         opcode: Opcode,
-        length: usize,
+        size: usize,
         room: &'a mut [u8; FRAME_MAX],
     ) -> Proof<'a> {
-        let size = length.wrapping_add(FRAME_OVERHEAD);
         // Seen before anything is copied: most false starts end here.
         if self.byte(start.wrapping_add(size).wrapping_sub(1)) != FRAME_END {
             return Proof::Garbage;
@@ -164,53 +179,79 @@ impl Ring {
 
     /// Drops a frame from the ring's start.
     #[inline(always)]
-    pub(crate) fn drop_frame(&mut self, start: usize, length: usize) {
-        let size = length.wrapping_add(FRAME_OVERHEAD);
+    pub(crate) fn drop_frame(&mut self, start: usize, size: usize) {
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), self.used.wrapping_sub(int(size)));
     }
 
     /// Judges what the ring starts with, wherever that lies. `None` when the start is out of range. More bytes than a
     /// ring has are waited for by nobody, and refused by who takes them.
     #[inline(always)]
-    pub(crate) fn look(&self) -> Option<(usize, Candidate)> {
+    pub(crate) fn look(&self) -> Option<(usize, Judgement)> {
         let start = self.start.cast_unsigned() as usize;
-        (start < DP_BUFSIZE).then(|| (start, self.judge(start, self.used.cast_unsigned() as usize)))
+        (start < DP_BUFSIZE).then(|| (start, self.judge_fast(start, self.used.cast_unsigned() as usize)))
     }
 
     /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
     #[inline(always)]
     pub(super) fn search_fast(&mut self, idle: bool, passed: usize) -> Result<Frame<'_>, NoFrame> {
-        let (mut start, mut used) = self.healed();
-        let mut none = NoFrame::Waiting;
-        if passed.wrapping_sub(1) < used {
-            (start, used, none) = (wrap(start.wrapping_add(passed)), used.wrapping_sub(passed), NoFrame::Garbage);
+        let (mut start, all) = self.healed();
+        let mut used = all;
+        if passed < used {
+            (start, used) = (wrap(start.wrapping_add(passed)), used.wrapping_sub(passed));
         }
         let mut sums = Sums::default();
         loop {
-            match self.judge(start, used) {
-                Candidate::Frame(opcode, length) if sums.prove(self, start, used, opcode, length) => {
-                    return Ok(self.take_out(start, used, opcode, length));
+            match self.judge_fast(start, used) {
+                Ok((opcode, size)) if sums.prove(self, start, used, opcode, size) => {
+                    return Ok(self.take_out(start, used, opcode, size));
                 }
-                Candidate::Incomplete if !idle || used == 0 => break,
-                Candidate::Frame(..) | Candidate::Incomplete | Candidate::Garbage => {}
+                Err(NoFrame::Waiting) if !idle || used == 0 => break,
+                Ok(_) | Err(_) => {}
             }
-            (start, used, none) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1), NoFrame::Garbage);
+            (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
         }
         (self.start, self.used) = (int(start), int(used));
-        Err(none)
+        Err(if used == all { NoFrame::Waiting } else { NoFrame::Garbage })
+    }
+
+    /// What [`judge`](Ring::judge) does but for the checksum, which costs much and can be left for what else is right.
+    #[inline(always)]
+    fn judge_fast(&self, start: usize, used: usize) -> Judgement {
+        if used == 0 {
+            return Err(NoFrame::Waiting);
+        }
+        if self.byte(start) != FRAME_START {
+            return Err(NoFrame::Garbage);
+        }
+        if used == 1 {
+            return Err(NoFrame::Waiting);
+        }
+        let opcode = self.byte(start.wrapping_add(1));
+        if needed(&NEEDS.by_opcode, opcode) == WRONG_OPCODE {
+            return Err(NoFrame::Garbage);
+        }
+        let size = needed(&NEEDS.by_length, self.byte(start.wrapping_add(2))) as usize;
+        if used < size {
+            Err(NoFrame::Waiting)
+        } else if size != WRONG_LENGTH as usize && self.byte(start.wrapping_add(size).wrapping_sub(1)) == FRAME_END {
+            Ok((Opcode(opcode), size))
+        } else {
+            Err(NoFrame::Garbage)
+        }
     }
 
     /// Takes the frame at `start` out of the ring, which has `used` bytes from there on.
     #[inline(always)]
-    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, length: usize) -> Frame<'_> {
-        let size = length.wrapping_add(FRAME_OVERHEAD);
+    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, size: usize) -> Frame<'_> {
+        let length = size.wrapping_sub(FRAME_OVERHEAD);
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
         Frame { opcode, payload: Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length } }
     }
 
     /// Whether the checksum of a complete candidate is right.
     #[inline(always)]
-    pub(super) fn is_right(&self, start: usize, opcode: Opcode, length: usize) -> bool {
+    pub(super) fn is_right(&self, start: usize, opcode: Opcode, size: usize) -> bool {
+        let length = size.wrapping_sub(FRAME_OVERHEAD);
         let begin = wrap(start.wrapping_add(FRAME_HEAD));
         let (first, rest) = pieces(&self.bytes, begin, length);
         self.byte(begin.wrapping_add(length)) == bytes::add_up(bytes::add_up(sum_of_head(opcode, length), first), rest)
@@ -227,10 +268,10 @@ impl Ring {
         }
         let (mut start, mut used) = (wrap((self.start.cast_unsigned() as usize).wrapping_add(1)), all.wrapping_sub(1));
         loop {
-            match self.judge(start, used) {
-                Candidate::Frame(..) => return Ok(all.wrapping_sub(used)),
-                Candidate::Incomplete => break,
-                Candidate::Garbage => {}
+            match self.judge_fast(start, used) {
+                Ok(_) => return Ok(all.wrapping_sub(used)),
+                Err(NoFrame::Waiting) => break,
+                Err(NoFrame::Garbage) => {}
             }
             (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
         }
@@ -275,7 +316,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::{Candidate, FRAME_MAX, Frame, Glance, NoFrame, Opcode, Proof, Ring, int, wrap};
+    use super::{FRAME_MAX, Frame, Glance, NoFrame, Opcode, Proof, Ring, int, wrap};
     use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
@@ -301,27 +342,27 @@ mod tests {
     fn short(mut ring: Ring) -> Option<Outcome> {
         let before = ring.clone();
         let mut room = [0; FRAME_MAX];
-        let (start, opcode, length) = match before.glance() {
+        let (start, opcode, size) = match before.glance() {
             Some(Glance::Waiting) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-            Some(Glance::NoHead { opcode }) if before.awaits_head(opcode) => {
+            Some(Glance::NoHead) if before.awaits_head() => {
                 return Some(outcome(&ring, Err(NoFrame::Waiting)));
             }
             Some(Glance::NoStart) if before.is_empty() => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-            Some(Glance::NoHead { .. } | Glance::NoStart) => return Some(behind_garbage(ring)),
-            Some(Glance::Whole { start, opcode, length }) => (start, Opcode(opcode), length),
+            Some(Glance::NoHead | Glance::NoStart) => return Some(behind_garbage(ring)),
+            Some(Glance::Whole { start, opcode, size }) => (start, Opcode(opcode), size),
             None => match before.look()? {
-                (_, Candidate::Incomplete) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
-                (_, Candidate::Garbage) => return Some(behind_garbage(ring)),
-                (start, Candidate::Frame(opcode, length)) => (start, opcode, length),
+                (_, Err(NoFrame::Waiting)) => return Some(outcome(&ring, Err(NoFrame::Waiting))),
+                (_, Err(NoFrame::Garbage)) => return Some(behind_garbage(ring)),
+                (start, Ok((opcode, size))) => (start, opcode, size),
             },
         };
-        let proof = match before.prove(start, opcode, length) {
-            Proof::Unclear => before.prove_across(start, opcode, length, &mut room),
+        let proof = match before.prove(start, opcode, size) {
+            Proof::Unclear => before.prove_across(start, opcode, size, &mut room),
             proof => proof,
         };
         match proof {
             Proof::Frame(payload) => {
-                ring.drop_frame(start, length);
+                ring.drop_frame(start, size);
                 Some(outcome(&ring, Ok((opcode.0, payload.to_vec()))))
             }
             Proof::Garbage => Some(behind_garbage(ring)),

@@ -1,12 +1,15 @@
 //! The checksums of candidates that overlap, on hosts.
 
 use super::Opcode;
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX};
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD};
 use super::ring::Ring;
 use super::shortcut::pieces;
 
 /// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
 const AHEAD: usize = FRAME_MAX.wrapping_mul(4);
+
+/// Checksum and end.
+const FRAME_TAIL: usize = FRAME_OVERHEAD.wrapping_sub(FRAME_HEAD);
 
 /// The sums that one search needs. Complete candidates may overlap, so that a byte stands in many of them; but however
 /// many fail, the search takes a time that grows with the ring's size alone: the first is summed as it is, and for
@@ -17,12 +20,12 @@ pub(super) struct Sums(Option<Running>);
 impl Sums {
     /// Whether the checksum of a complete candidate is right.
     #[inline(always)]
-    pub(super) fn prove(&mut self, ring: &Ring, start: usize, used: usize, opcode: Opcode, length: usize) -> bool {
+    pub(super) fn prove(&mut self, ring: &Ring, start: usize, used: usize, opcode: Opcode, size: usize) -> bool {
         if let Some(running) = &mut self.0 {
-            let size = length.wrapping_add(FRAME_HEAD);
+            let size = size.wrapping_sub(FRAME_TAIL);
             return ring.byte(start.wrapping_add(size)) == running.sum(ring, start, used, size).wrapping_add(FRAME_END);
         }
-        let intact = ring.is_right(start, opcode, length);
+        let intact = ring.is_right(start, opcode, size);
         if !intact {
             // One by one, which never becomes a call of memset.
             self.0 = Some(Running { sums: core::array::from_fn(|_| 0), used: 0 });
@@ -42,16 +45,20 @@ impl Running {
     /// The sum of so many bytes that begin at `start`, where the ring has `used` ones.
     #[inline(always)]
     fn sum(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
-        let mut place = self.used.wrapping_sub(used);
-        if place.wrapping_add(size) >= AHEAD {
-            self.begin(ring, start, used);
-            place = 0;
+        // Of so few bits that the compiler sees: the end is no smaller than the place.
+        const FEW: usize = u32::MAX as usize;
+        let place = self.used.wrapping_sub(used) & FEW;
+        let end = place.wrapping_add(size & FEW);
+        match (self.sums.get(end), self.sums.get(place)) {
+            (Some(all), Some(before)) => all.wrapping_sub(*before),
+            _ => self.begin(ring, start, used, size),
         }
-        self.get(place.wrapping_add(size)).wrapping_sub(self.get(place))
     }
 
+    /// The same, and from now on that is the place.
+    #[cold]
     #[inline(never)]
-    fn begin(&mut self, ring: &Ring, start: usize, used: usize) {
+    fn begin(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
         self.used = used;
         let (first, rest) = pieces(&ring.bytes, start, used.min(const { AHEAD.wrapping_sub(1) }));
         let mut sum = 0_u8;
@@ -63,10 +70,6 @@ impl Running {
                 *place = sum;
             }
         }
-    }
-
-    #[inline(always)]
-    fn get(&self, place: usize) -> u8 {
-        self.sums.get(place).copied().unwrap_or_default()
+        self.sums.get(size).copied().unwrap_or_default()
     }
 }

@@ -9,7 +9,7 @@ use core::mem::MaybeUninit;
 
 use super::{DP_RC_ERROR_GENERIC, DP_RC_GARBAGE, DP_RC_NO_FRAME, DP_RC_SUCCESS, ProtocolMsg};
 use crate::config::{DP_DATA_MAX_SIZE, FAST};
-use crate::deltarobot::{Candidate, Frame, Glance, NoFrame, Opcode, Proof, Ring, bytes};
+use crate::deltarobot::{Frame, Glance, NoFrame, Opcode, Proof, Ring, bytes};
 use crate::ffi::memory::int;
 
 /// What `opcode` becomes when no frame was received: never the opcode of one.
@@ -29,9 +29,9 @@ pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg
         }
         match ring.glance() {
             Some(Glance::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
-            Some(Glance::Whole { start, opcode, length }) => whole(ring, msg, opcode, start, length),
+            Some(Glance::Whole { start, opcode, size }) => whole(ring, msg, opcode, start, size),
             Some(Glance::NoStart) => no_start(ring, msg),
-            Some(Glance::NoHead { opcode }) => no_head(ring, msg, opcode),
+            Some(Glance::NoHead) => no_head(ring, msg),
             None => unclear(ring, msg),
         }
     }
@@ -54,62 +54,62 @@ pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg,
     unsafe { answer(msg, found) }
 }
 
-/// A whole candidate. Lengths that the compiler knows make shorter code: requests have no payload, an acknowledgement
-/// one byte, moves and reports 12 to 16.
+/// A whole candidate. Sizes that the compiler knows make shorter code: beside the 5 bytes of every frame, requests have
+/// none, an acknowledgement one, moves and reports 12 to 16.
 #[inline(never)]
-unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
+unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
     unsafe {
-        match length {
-            8..=16 => whole_of(ring, msg, opcode, start, length),
-            17.. => whole_long(ring, msg, opcode, start, length),
-            0 => whole_of(ring, msg, opcode, start, 0),
-            1 => whole_of(ring, msg, opcode, start, 1),
-            _ => whole_short(ring, msg, opcode, start, length),
+        match size {
+            13..=21 => whole_of(ring, msg, opcode, start, size),
+            22.. => whole_long(ring, msg, opcode, start, size),
+            5 => whole_of(ring, msg, opcode, start, 5),
+            6 => whole_of(ring, msg, opcode, start, 6),
+            _ => whole_short(ring, msg, opcode, start, size),
         }
     }
 }
 
-/// 17 bytes or more: here the compiler learns it.
+/// 17 bytes of payload or more: here the compiler learns it.
 #[inline(never)]
-unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
+unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, opcode, start, length.max(17)) }
+    unsafe { whole_of(ring, msg, opcode, start, size.max(22)) }
 }
 
 #[inline(never)]
-unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
+unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, opcode, start, length) }
+    unsafe { whole_of(ring, msg, opcode, start, size) }
 }
 
 #[inline(always)]
-unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
+unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
     unsafe {
-        match ring.prove(start, Opcode(opcode), length) {
+        match ring.prove(start, Opcode(opcode), size) {
             Proof::Frame(payload) => deliver(msg, opcode, payload),
             Proof::Garbage => return behind_garbage(ring, msg),
-            Proof::Unclear => return across(ring, msg, opcode, start, length),
+            Proof::Unclear => return across(ring, msg, opcode, start, size),
         }
-        ring.drop_frame(start, length);
+        ring.drop_frame(start, size);
         DP_RC_SUCCESS
     }
 }
 
 /// A whole candidate, across the ring's end.
 #[inline(never)]
-unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, length: usize) -> c_int {
+unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         // One by one, which never becomes a call of memset.
         let mut room = core::array::from_fn(|_| 0);
-        match ring.prove_across(start, Opcode(opcode), length, &mut room) {
+        match ring.prove_across(start, Opcode(opcode), size, &mut room) {
             Proof::Frame(payload) => deliver(msg, opcode, payload),
             Proof::Garbage => return behind_garbage(ring, msg),
             Proof::Unclear => return any_message(ring, msg, false, 0),
         }
-        ring.drop_frame(start, length);
+        ring.drop_frame(start, size);
         DP_RC_SUCCESS
     }
 }
@@ -120,9 +120,9 @@ unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         match ring.look() {
-            Some((start, Candidate::Frame(opcode, length))) => across(ring, msg, opcode.0, start, length),
-            Some((_, Candidate::Incomplete)) => answer(msg, Some(Err(NoFrame::Waiting))),
-            Some((_, Candidate::Garbage)) => behind_garbage(ring, msg),
+            Some((start, Ok((opcode, size)))) => across(ring, msg, opcode.0, start, size),
+            Some((_, Err(NoFrame::Waiting))) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some((_, Err(NoFrame::Garbage))) => behind_garbage(ring, msg),
             None => any_message(ring, msg, false, 0),
         }
     }
@@ -137,11 +137,9 @@ unsafe fn no_start(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
 
 /// A start, behind which the head is wrong or has yet to come.
 #[inline(never)]
-unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: usize) -> c_int {
+unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
-    unsafe {
-        if ring.awaits_head(opcode) { answer(msg, Some(Err(NoFrame::Waiting))) } else { behind_garbage(ring, msg) }
-    }
+    unsafe { if ring.awaits_head() { answer(msg, Some(Err(NoFrame::Waiting))) } else { behind_garbage(ring, msg) } }
 }
 
 /// A byte that is known to begin no frame.
