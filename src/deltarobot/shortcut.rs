@@ -491,6 +491,21 @@ mod tests {
     }
 
     #[test]
+    fn a_wrong_length_is_no_frame_whatever_stands_behind_it() {
+        for length in [0, 1, DP_DATA_MAX_SIZE, DP_DATA_MAX_SIZE + 1, usize::from(b':'), 255] {
+            for behind in 0..=255 {
+                let mut ring = Ring::new();
+                ring.bytes.fill(behind);
+                ring.bytes[..3].copy_from_slice(&[b'$', b'M', length.to_le_bytes()[0]]);
+                ring.used = FULL;
+                let expected = plain(ring.clone(), false);
+                assert_eq!(searched(ring.clone()), expected, "{length} {behind}");
+                assert!(short(ring).is_none_or(|outcome| outcome == expected), "{length} {behind}");
+            }
+        }
+    }
+
+    #[test]
     fn a_stale_frame_is_not_found_again() {
         let mut ring = Ring::new();
         assert_eq!(ring.append(b"$S\0\xB1:"), Ok(()));
