@@ -4,7 +4,7 @@
 
 use core::mem::MaybeUninit;
 
-use super::{Opcode, bytes, shortcut};
+use super::{Opcode, bytes, ring};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// The first byte of every frame.
@@ -85,7 +85,7 @@ impl Payload<'_> {
             if let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
                 return bytes::copy(payload, out, P::of);
             }
-            let (first, rest) = shortcut::pieces(self.ring, self.begin, self.length);
+            let (first, rest) = ring::pieces(self.ring, self.begin, self.length);
             bytes::copy(first, out, P::of);
             return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), P::of);
         }

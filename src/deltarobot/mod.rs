@@ -27,6 +27,7 @@ mod opcode;
 mod payload;
 mod position;
 mod ring;
+mod search;
 mod shortcut;
 mod sums;
 mod text;

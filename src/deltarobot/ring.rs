@@ -258,3 +258,13 @@ pub(super) const fn wrap(place: usize) -> usize {
 pub(super) const fn int(bytes: usize) -> c_int {
     bytes as c_int
 }
+
+/// The part of the ring that begins there, in the order it is read in: two pieces when it lies across the ring's end.
+#[inline(always)]
+pub(super) fn pieces(ring: &[u8; DP_BUFSIZE], begin: usize, length: usize) -> (&[u8], &[u8]) {
+    let (front, back) = ring.split_at_checked(begin).unwrap_or_default();
+    match back.get(..length) {
+        Some(whole) => (whole, &[]),
+        None => (back, front.get(..length.wrapping_sub(back.len())).unwrap_or_default()),
+    }
+}

@@ -4,44 +4,11 @@
 //! What they know comes from the fields as they are, in range or not, and from bytes that may be stale. So each answer
 //! rests on a check of `used` that leaves no other reading.
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::ring::{NoFrame, Ring, int, wrap};
-use super::sums::Sums;
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START};
+use super::ring::{Ring, int, wrap};
+use super::search::{needed, sum_of_head};
 use super::{Opcode, bytes};
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
-
-/// How many bytes a candidate needs to be judged, by the bytes of its head; in place of [`Opcode::is_known`], which
-/// compares with one opcode after the other.
-struct Needs {
-    /// All ones for an opcode, so that only the length counts; [`WRONG_OPCODE`] for other bytes.
-    by_opcode: [u32; 256],
-    /// The size of a frame of that length, or [`WRONG_LENGTH`].
-    by_length: [u32; 256],
-}
-
-/// So many bytes show that the opcode is wrong, or the length.
-const WRONG_OPCODE: u32 = 2;
-const WRONG_LENGTH: u32 = 3;
-
-#[expect(
-    clippy::indexing_slicing,
-    clippy::cast_possible_truncation,
-    reason = "evaluated by the compiler, for 0 to 255"
-)]
-static NEEDS: Needs = {
-    let mut needs = Needs { by_opcode: [WRONG_OPCODE; 256], by_length: [WRONG_LENGTH; 256] };
-    let mut byte = 0;
-    while byte < 256 {
-        if Opcode(byte as u8).is_known() {
-            needs.by_opcode[byte] = u32::MAX;
-        }
-        if byte <= DP_DATA_MAX_SIZE {
-            needs.by_length[byte] = byte.wrapping_add(FRAME_OVERHEAD) as u32;
-        }
-        byte += 1;
-    }
-    needs
-};
 
 /// What a ring starts with, when a glance is enough to tell.
 #[derive(Clone, Copy, Debug)]
@@ -56,9 +23,6 @@ pub(crate) enum Glance {
     NoHead,
 }
 
-/// The opcode and the size of what may be a frame but for its checksum, or why there is none.
-pub(crate) type Judgement = Result<(Opcode, usize), NoFrame>;
-
 /// What is true of a candidate that [`Ring::glance`] saw whole.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Proof<'a> {
@@ -68,12 +32,6 @@ pub(crate) enum Proof<'a> {
     Garbage,
     /// That takes more to tell.
     Unclear,
-}
-
-/// What a table of [`NEEDS`] tells of a byte.
-#[inline(always)]
-fn needed(table: &[u32; 256], byte: u8) -> u32 {
-    table.get(usize::from(byte)).copied().unwrap_or_default()
 }
 
 impl Ring {
@@ -116,8 +74,7 @@ impl Ring {
         if first != FRAME_START {
             return Some(Glance::NoStart);
         }
-        // With a wrong opcode, 2 or 0.
-        let size = (needed(&NEEDS.by_opcode, opcode) & needed(&NEEDS.by_length, length)) as usize;
+        let size = needed(opcode, length);
         // Right for 0 to 2 bytes too: what is there of the head is right, and stale bytes let it wait for the rest, or
         // leave that to NoHead.
         if (self.used.cast_unsigned() as usize) < size {
@@ -182,109 +139,6 @@ impl Ring {
     pub(crate) fn drop_frame(&mut self, start: usize, size: usize) {
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), self.used.wrapping_sub(int(size)));
     }
-
-    /// Judges what the ring starts with, wherever that lies. `None` when the start is out of range. More bytes than a
-    /// ring has are waited for by nobody, and refused by who takes them.
-    #[inline(always)]
-    pub(crate) fn look(&self) -> Option<(usize, Judgement)> {
-        let start = self.start.cast_unsigned() as usize;
-        (start < DP_BUFSIZE).then(|| (start, self.judge_fast(start, self.used.cast_unsigned() as usize)))
-    }
-
-    /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
-    #[inline(always)]
-    pub(super) fn search_fast(&mut self, idle: bool, passed: usize) -> Result<Frame<'_>, NoFrame> {
-        let (mut start, all) = self.healed();
-        let mut used = all;
-        if passed < used {
-            (start, used) = (wrap(start.wrapping_add(passed)), used.wrapping_sub(passed));
-        }
-        let mut sums = Sums::default();
-        loop {
-            match self.judge_fast(start, used) {
-                Ok((opcode, size)) if sums.prove(self, start, used, opcode, size) => {
-                    return Ok(self.take_out(start, used, opcode, size));
-                }
-                Err(NoFrame::Waiting) if !idle || used == 0 => break,
-                Ok(_) | Err(_) => {}
-            }
-            (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
-        }
-        (self.start, self.used) = (int(start), int(used));
-        Err(if used == all { NoFrame::Waiting } else { NoFrame::Garbage })
-    }
-
-    /// What [`judge`](Ring::judge) does but for the checksum, which costs much and can be left for what else is right.
-    #[inline(always)]
-    fn judge_fast(&self, start: usize, used: usize) -> Judgement {
-        if used == 0 {
-            return Err(NoFrame::Waiting);
-        }
-        if self.byte(start) != FRAME_START {
-            return Err(NoFrame::Garbage);
-        }
-        if used == 1 {
-            return Err(NoFrame::Waiting);
-        }
-        let opcode = self.byte(start.wrapping_add(1));
-        if needed(&NEEDS.by_opcode, opcode) == WRONG_OPCODE {
-            return Err(NoFrame::Garbage);
-        }
-        let size = needed(&NEEDS.by_length, self.byte(start.wrapping_add(2))) as usize;
-        if used < size {
-            Err(NoFrame::Waiting)
-        } else if size != WRONG_LENGTH as usize && self.byte(start.wrapping_add(size).wrapping_sub(1)) == FRAME_END {
-            Ok((Opcode(opcode), size))
-        } else {
-            Err(NoFrame::Garbage)
-        }
-    }
-
-    /// Takes the frame at `start` out of the ring, which has `used` bytes from there on.
-    #[inline(always)]
-    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, size: usize) -> Frame<'_> {
-        let length = size.wrapping_sub(FRAME_OVERHEAD);
-        (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
-        Frame { opcode, payload: Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length } }
-    }
-
-    /// Whether the checksum of a complete candidate is right.
-    #[inline(always)]
-    pub(super) fn is_right(&self, start: usize, opcode: Opcode, size: usize) -> bool {
-        let length = size.wrapping_sub(FRAME_OVERHEAD);
-        let begin = wrap(start.wrapping_add(FRAME_HEAD));
-        let (first, rest) = pieces(&self.bytes, begin, length);
-        self.byte(begin.wrapping_add(length)) == bytes::add_up(bytes::add_up(sum_of_head(opcode, length), first), rest)
-    }
-
-    /// Passes over the byte at the start, known to begin no frame, and over what is garbage behind it, as far as no
-    /// checksum is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
-    #[inline(always)]
-    pub(crate) fn pass(&mut self) -> Result<usize, NoFrame> {
-        let all = self.used.cast_unsigned() as usize;
-        if all > DP_BUFSIZE {
-            // More than the search has, so it does not count.
-            return Ok(all);
-        }
-        let (mut start, mut used) = (wrap((self.start.cast_unsigned() as usize).wrapping_add(1)), all.wrapping_sub(1));
-        loop {
-            match self.judge_fast(start, used) {
-                Ok(_) => return Ok(all.wrapping_sub(used)),
-                Err(NoFrame::Waiting) => break,
-                Err(NoFrame::Garbage) => {}
-            }
-            (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
-        }
-        (self.start, self.used) = (int(start), int(used));
-        Err(NoFrame::Garbage)
-    }
-}
-
-/// What start, opcode, length and end of a frame add to its checksum.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "the length is a byte of the frame")]
-const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
-    const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length as u8)
 }
 
 /// The payload of a frame that begins as it should, and lies in one piece, if it ends as it should.
@@ -299,16 +153,6 @@ fn intact(frame: &[u8], opcode: Opcode) -> Option<&[u8]> {
     is_intact.then_some(payload)
 }
 
-/// The part of the ring that begins there, in the order it is read in: two pieces when it lies across the ring's end.
-#[inline(always)]
-pub(super) fn pieces(ring: &[u8; DP_BUFSIZE], begin: usize, length: usize) -> (&[u8], &[u8]) {
-    let (front, back) = ring.split_at_checked(begin).unwrap_or_default();
-    match back.get(..length) {
-        Some(whole) => (whole, &[]),
-        None => (back, front.get(..length.wrapping_sub(back.len())).unwrap_or_default()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::vec;
@@ -316,8 +160,9 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::{FRAME_MAX, Frame, Glance, NoFrame, Opcode, Proof, Ring, int, wrap};
+    use super::{FRAME_MAX, Glance, Opcode, Proof, Ring, int, wrap};
     use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+    use crate::deltarobot::{Frame, NoFrame};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
 

@@ -2,8 +2,7 @@
 
 use super::Opcode;
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD};
-use super::ring::Ring;
-use super::shortcut::pieces;
+use super::ring::{Ring, pieces};
 
 /// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
 const AHEAD: usize = FRAME_MAX.wrapping_mul(4);
