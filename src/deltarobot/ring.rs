@@ -127,7 +127,7 @@ impl Ring {
     ///
     /// [`NoFrame`] when more bytes are needed.
     pub fn next_frame(&mut self) -> Result<Frame<'_>, NoFrame> {
-        self.search(false, 0)
+        self.search(false)
     }
 
     /// Like [`next_frame`](Self::next_frame) for a line that has been quiet for longer than a frame takes: what is
@@ -137,14 +137,14 @@ impl Ring {
     ///
     /// [`NoFrame`] when there is no frame in the ring, which is empty now.
     pub fn next_frame_idle(&mut self) -> Result<Frame<'_>, NoFrame> {
-        self.search(true, 0)
+        self.search(true)
     }
 
-    /// Looks for the next frame. So many bytes at the start are known to begin none, if there are that many: on hosts.
+    /// Looks for the next frame.
     #[inline(always)]
-    pub(crate) fn search(&mut self, idle: bool, passed: usize) -> Result<Frame<'_>, NoFrame> {
+    pub(crate) fn search(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
         if FAST {
-            return self.search_fast(idle, passed);
+            return self.search_fast(idle);
         }
         let mut none = NoFrame::Waiting;
         let (mut start, mut used) = self.healed();

@@ -65,12 +65,9 @@ impl Ring {
 
     /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
     #[inline(always)]
-    pub(super) fn search_fast(&mut self, idle: bool, passed: usize) -> Result<Frame<'_>, NoFrame> {
+    pub(super) fn search_fast(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
         let (mut start, all) = self.healed();
         let mut used = all;
-        if passed < used {
-            (start, used) = (wrap(start.wrapping_add(passed)), used.wrapping_sub(passed));
-        }
         let mut sums = Sums::default();
         loop {
             match self.judge_fast(start, used) {
@@ -105,7 +102,7 @@ impl Ring {
         let size = entry(&NEEDS.by_length, self.byte(start.wrapping_add(2))) as usize;
         if used < size {
             Err(NoFrame::Waiting)
-        } else if size != WRONG_LENGTH as usize && self.byte(start.wrapping_add(size).wrapping_sub(1)) == FRAME_END {
+        } else if size >= FRAME_OVERHEAD && self.byte(start.wrapping_add(size).wrapping_sub(1)) == FRAME_END {
             Ok((Opcode(opcode), size))
         } else {
             Err(NoFrame::Garbage)
@@ -130,25 +127,34 @@ impl Ring {
     }
 
     /// Passes over the byte at the start, known to begin no frame, and over what is garbage behind it, as far as no
-    /// checksum is needed for that. Where one is, it has changed nothing, and tells how many bytes it passed.
+    /// checksum is needed for that. Where one is, it has changed nothing, and tells how many bytes are to be
+    /// [skipped](Self::skip), and the opcode and size of what stands behind them. `None` when there are more bytes than
+    /// a ring has.
     #[inline(always)]
-    pub(crate) fn pass(&mut self) -> Result<usize, NoFrame> {
+    pub(crate) fn pass(&mut self) -> Option<Result<(usize, Opcode, usize), NoFrame>> {
         let all = self.used.cast_unsigned() as usize;
         if all > DP_BUFSIZE {
-            // More than the search has, so it does not count.
-            return Ok(all);
+            return None;
         }
         let (mut start, mut used) = (wrap((self.start.cast_unsigned() as usize).wrapping_add(1)), all.wrapping_sub(1));
         loop {
             match self.judge_fast(start, used) {
-                Ok(_) => return Ok(all.wrapping_sub(used)),
+                Ok((opcode, size)) => return Some(Ok((all.wrapping_sub(used), opcode, size))),
                 Err(NoFrame::Waiting) => break,
                 Err(NoFrame::Garbage) => {}
             }
             (start, used) = (wrap(start.wrapping_add(1)), used.wrapping_sub(1));
         }
         (self.start, self.used) = (int(start), int(used));
-        Err(NoFrame::Garbage)
+        Some(Err(NoFrame::Garbage))
+    }
+
+    /// Drops bytes from the ring's start, and tells where it starts now.
+    #[inline(always)]
+    pub(crate) fn skip(&mut self, passed: usize) -> usize {
+        let start = wrap((self.start.cast_unsigned() as usize).wrapping_add(passed));
+        (self.start, self.used) = (int(start), self.used.wrapping_sub(int(passed)));
+        start
     }
 }
 

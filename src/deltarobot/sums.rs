@@ -1,8 +1,8 @@
 //! The checksums of candidates that overlap, on hosts.
 
-use super::Opcode;
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD};
 use super::ring::{Ring, pieces};
+use super::{Opcode, bytes};
 
 /// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
 const AHEAD: usize = FRAME_MAX.wrapping_mul(4);
@@ -22,7 +22,7 @@ impl Sums {
     pub(super) fn prove(&mut self, ring: &Ring, start: usize, used: usize, opcode: Opcode, size: usize) -> bool {
         if let Some(running) = &mut self.0 {
             let size = size.wrapping_sub(FRAME_TAIL);
-            return ring.byte(start.wrapping_add(size)) == running.sum(ring, start, used, size).wrapping_add(FRAME_END);
+            return running.sum(ring, start, used, size).wrapping_add(FRAME_END) == ring.byte(start.wrapping_add(size));
         }
         let intact = ring.is_right(start, opcode, size);
         if !intact {
@@ -60,15 +60,9 @@ impl Running {
     fn begin(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
         self.used = used;
         let (first, rest) = pieces(&ring.bytes, start, used.min(const { AHEAD.wrapping_sub(1) }));
-        let mut sum = 0_u8;
         let [_, sums @ ..] = &mut self.sums;
         let (now, later) = sums.split_at_mut_checked(first.len()).unwrap_or_default();
-        for (sums, bytes) in [(now, first), (later, rest)] {
-            for (place, byte) in sums.iter_mut().zip(bytes) {
-                sum = sum.wrapping_add(*byte);
-                *place = sum;
-            }
-        }
+        let _ = bytes::add_up_each(bytes::add_up_each(0, first, now), rest, later);
         self.sums.get(size).copied().unwrap_or_default()
     }
 }

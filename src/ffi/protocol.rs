@@ -227,7 +227,7 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
         return unsafe { next_message(&mut *data, msg) };
     }
     // SAFETY: the same contract.
-    unsafe { any_message(data, msg, false, 0) }
+    unsafe { any_message(data, msg, false) }
 }
 
 /// Sends a message: calls sendfunc once, with the whole frame and usr.

@@ -115,7 +115,7 @@ sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) ->
 #[inline(always)]
 unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: as the contract of dp_recv_idle asks.
-    unsafe { any_message(data, msg, true, 0) }
+    unsafe { any_message(data, msg, true) }
 }
 
 /// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.

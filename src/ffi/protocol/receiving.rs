@@ -25,7 +25,7 @@ pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         if !FAST {
-            return any_message(ring, msg, false, 0);
+            return any_message(ring, msg, false);
         }
         match ring.glance() {
             Some(Glance::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
@@ -44,12 +44,12 @@ pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg
 /// As for `dp_recv`.
 #[cfg_attr(target_pointer_width = "64", inline(never))]
 #[cfg_attr(not(target_pointer_width = "64"), inline(always))]
-pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool, passed: usize) -> c_int {
+pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg, idle: bool) -> c_int {
     if msg.is_null() {
         return DP_RC_ERROR_GENERIC;
     }
     // SAFETY: NULL, or a ring by the contract of this function.
-    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle, passed));
+    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle));
     // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
     unsafe { answer(msg, found) }
 }
@@ -61,10 +61,10 @@ unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize
     // SAFETY: the same contract.
     unsafe {
         match size {
-            13..=21 => whole_of(ring, msg, opcode, start, size),
+            13..=21 => whole_of::<true>(ring, msg, opcode, start, size),
             22.. => whole_long(ring, msg, opcode, start, size),
-            5 => whole_of(ring, msg, opcode, start, 5),
-            6 => whole_of(ring, msg, opcode, start, 6),
+            5 => whole_of::<true>(ring, msg, opcode, start, 5),
+            6 => whole_of::<true>(ring, msg, opcode, start, 6),
             _ => whole_short(ring, msg, opcode, start, size),
         }
     }
@@ -74,23 +74,31 @@ unsafe fn whole(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize
 #[inline(never)]
 unsafe fn whole_long(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, opcode, start, size.max(22)) }
+    unsafe { whole_of::<true>(ring, msg, opcode, start, size.max(22)) }
 }
 
 #[inline(never)]
 unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
     // SAFETY: the same contract.
-    unsafe { whole_of(ring, msg, opcode, start, size) }
+    unsafe { whole_of::<true>(ring, msg, opcode, start, size) }
 }
 
 #[inline(always)]
-unsafe fn whole_of(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usize, size: usize) -> c_int {
-    // SAFETY: the same contract.
+unsafe fn whole_of<const FIRST: bool>(
+    ring: &mut Ring,
+    msg: *mut ProtocolMsg,
+    opcode: u8,
+    start: usize,
+    size: usize,
+) -> c_int {
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         match ring.prove(start, Opcode(opcode), size) {
             Proof::Frame(payload) => deliver(msg, opcode, payload),
-            Proof::Garbage => return behind_garbage(ring, msg),
-            Proof::Unclear => return across(ring, msg, opcode, start, size),
+            Proof::Garbage if FIRST => return behind_garbage(ring, msg),
+            Proof::Garbage => return behind_second(ring, msg),
+            Proof::Unclear if FIRST => return across(ring, msg, opcode, start, size),
+            Proof::Unclear => return any_message(ring, msg, false),
         }
         ring.drop_frame(start, size);
         DP_RC_SUCCESS
@@ -107,7 +115,7 @@ unsafe fn across(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start: usiz
         match ring.prove_across(start, Opcode(opcode), size, &mut room) {
             Proof::Frame(payload) => deliver(msg, opcode, payload),
             Proof::Garbage => return behind_garbage(ring, msg),
-            Proof::Unclear => return any_message(ring, msg, false, 0),
+            Proof::Unclear => return any_message(ring, msg, false),
         }
         ring.drop_frame(start, size);
         DP_RC_SUCCESS
@@ -123,7 +131,7 @@ unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
             Some((start, Ok((opcode, size)))) => across(ring, msg, opcode.0, start, size),
             Some((_, Err(NoFrame::Waiting))) => answer(msg, Some(Err(NoFrame::Waiting))),
             Some((_, Err(NoFrame::Garbage))) => behind_garbage(ring, msg),
-            None => any_message(ring, msg, false, 0),
+            None => any_message(ring, msg, false),
         }
     }
 }
@@ -154,10 +162,33 @@ unsafe fn pass_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract; a ring and a message are what any_message asks for.
     unsafe {
         match ring.pass() {
-            Ok(passed) => any_message(ring, msg, false, passed),
-            Err(none) => answer(msg, Some(Err(none))),
+            Some(Ok((passed, opcode, size))) => second(ring, msg, opcode.0, passed, size),
+            Some(Err(none)) => answer(msg, Some(Err(none))),
+            None => any_message(ring, msg, false),
         }
     }
+}
+
+/// A whole candidate behind garbage.
+#[inline(never)]
+unsafe fn second(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, passed: usize, size: usize) -> c_int {
+    let start = ring.skip(passed);
+    // SAFETY: the same contract.
+    unsafe { whole_of::<false>(ring, msg, opcode, start, size) }
+}
+
+/// A second candidate's first byte, known to begin no frame too. A third one is left to the search, whose time is bounded
+/// however many there are.
+#[inline(never)]
+unsafe fn behind_second(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    match ring.pass() {
+        // SAFETY: the same contract.
+        Some(Err(none)) => return unsafe { answer(msg, Some(Err(none))) },
+        Some(Ok((passed, ..))) => _ = ring.skip(passed),
+        None => {}
+    }
+    // SAFETY: the same contract; a ring and a message are what any_message asks for.
+    unsafe { any_message(ring, msg, false) }
 }
 
 /// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
