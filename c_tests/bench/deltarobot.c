@@ -198,22 +198,25 @@ static void hostile_cases(void)
 {
     /*
      * "$M<length>:" over and over, of length 3, 7, 11...: each '$' begins a whole candidate, of which only the checksum
-     * is wrong. In a stream the longest ones cost most, in a full ring those that are half as long as it.
+     * is wrong. In a stream the longest ones cost most, in a full ring those that are half as long as it; byte by byte
+     * three that the same byte completes.
      */
-    char longest[] = "$M?:", half[] = "$M?:";
+    char longest[] = "$M?:", half[] = "$M?:", three[] = "$M\3:$M?:$M?:";
     struct {
         const char *what, *pattern;
         int size;
     } patterns[] = {
         {"$", "$", 1},       {"$M", "$M", 2},     {"$A$A", "$A$A", 4}, {"$M\\x20", "$M\x20", 3},
         {"$M\\0", "$M\0", 3}, {"$M:", "$M:", 3},   {"zero", "", 1},     {"$M<longest>:", longest, 4},
-        {"$M<half>:", half, 4},
+        {"$M<half>:", half, 4}, {"three-at-once", three, 12},
     };
     static struct stream stream;
     size_t i;
 
     longest[2] = (char)(DP_DATA_MAX_SIZE < 3 ? DP_DATA_MAX_SIZE : (DP_DATA_MAX_SIZE - 3) / 4 * 4 + 3);
     half[2] = DP_DATA_MAX_SIZE < DP_BUFSIZE / 2 ? longest[2] : (char)((DP_BUFSIZE / 2 - 3) / 4 * 4 + 3);
+    three[6] = longest[2] > 8 ? longest[2] - 8 : longest[2];
+    three[10] = longest[2];
     for (i = 0; i < sizeof patterns / sizeof *patterns; ++i) {
         if (patterns[i].pattern == half && half[2] == longest[2])
             continue;

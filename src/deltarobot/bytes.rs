@@ -5,7 +5,7 @@
 use crate::config::FAST;
 
 /// Bytes taken at a time where there are so many, and where there are fewer.
-const BLOCK: usize = 16;
+pub(super) const BLOCK: usize = 16;
 const WORD: usize = 8;
 const HALF: usize = 4;
 

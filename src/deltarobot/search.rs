@@ -120,6 +120,14 @@ impl Ring {
     /// Whether the checksum of a complete candidate is right.
     #[inline(always)]
     pub(super) fn is_right(&self, start: usize, opcode: Opcode, size: usize) -> bool {
+        match self.bytes.get(start..start.wrapping_add(size)) {
+            Some(candidate) => summed(candidate, opcode).is_some(),
+            None => self.is_right_across(start, opcode, size),
+        }
+    }
+
+    #[inline(never)]
+    fn is_right_across(&self, start: usize, opcode: Opcode, size: usize) -> bool {
         let length = size.wrapping_sub(FRAME_OVERHEAD);
         let begin = wrap(start.wrapping_add(FRAME_HEAD));
         let (first, rest) = pieces(&self.bytes, begin, length);
@@ -161,6 +169,23 @@ impl Ring {
 /// What start, opcode, length and end of a frame add to its checksum.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "the length is a byte of the frame")]
-pub(super) const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
+const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
     const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length as u8)
+}
+
+/// The payload of a candidate in one piece that begins as a frame does, if it ends so and its checksum is right.
+#[inline(always)]
+pub(super) fn intact(candidate: &[u8], opcode: Opcode) -> Option<&[u8]> {
+    if candidate.last() == Some(&FRAME_END) { summed(candidate, opcode) } else { None }
+}
+
+/// The same, whatever it ends with.
+#[inline(always)]
+fn summed(candidate: &[u8], opcode: Opcode) -> Option<&[u8]> {
+    let (summed, &[sum, _]) = candidate.split_last_chunk()?;
+    let (_, payload) = summed.split_first_chunk::<FRAME_HEAD>()?;
+    // The length was looked at before. Here the compiler learns that it is no larger.
+    let is_right =
+        payload.len() <= DP_DATA_MAX_SIZE && sum == bytes::add_up(sum_of_head(opcode, payload.len()), payload);
+    is_right.then_some(payload)
 }

@@ -6,9 +6,9 @@
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START};
 use super::ring::{Ring, int, wrap};
-use super::search::{needed, sum_of_head};
+use super::search::{intact, needed};
 use super::{Opcode, bytes};
-use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use crate::config::DP_BUFSIZE;
 
 /// What a ring starts with, when a glance is enough to tell.
 #[derive(Clone, Copy, Debug)]
@@ -141,18 +141,6 @@ impl Ring {
     }
 }
 
-/// The payload of a frame that begins as it should, and lies in one piece, if it ends as it should.
-#[inline(always)]
-fn intact(frame: &[u8], opcode: Opcode) -> Option<&[u8]> {
-    let (summed, &[sum, end]) = frame.split_last_chunk()?;
-    let (_, payload) = summed.split_first_chunk::<FRAME_HEAD>()?;
-    // The length was looked at before. Here the compiler learns that it is no larger.
-    let is_intact = end == FRAME_END
-        && payload.len() <= DP_DATA_MAX_SIZE
-        && sum == bytes::add_up(sum_of_head(opcode, payload.len()), payload);
-    is_intact.then_some(payload)
-}
-
 #[cfg(test)]
 mod tests {
     use std::vec;
@@ -160,8 +148,8 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::{FRAME_MAX, Glance, Opcode, Proof, Ring, int, wrap};
-    use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+    use super::{DP_BUFSIZE, FRAME_MAX, Glance, Opcode, Proof, Ring, int, wrap};
+    use crate::config::DP_DATA_MAX_SIZE;
     use crate::deltarobot::{Frame, NoFrame};
 
     const FULL: i32 = super::int(DP_BUFSIZE);

@@ -177,8 +177,7 @@ unsafe fn second(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, passed: usi
     unsafe { whole_of::<false>(ring, msg, opcode, start, size) }
 }
 
-/// A second candidate's first byte, known to begin no frame too. A third one is left to the search, whose time is bounded
-/// however many there are.
+/// A second candidate's first byte, known to begin no frame too. A third one is left to the search.
 #[inline(never)]
 unsafe fn behind_second(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     match ring.pass() {
