@@ -1,5 +1,5 @@
-//! The search for frames on hosts: as the plain one in `ring.rs` finds them, with fewer instructions, and in a time that
-//! grows with the ring's size alone.
+//! The search for frames on hosts, which finds what the plain one in `ring.rs` does, with fewer instructions and in a
+//! time that grows with the ring's size alone.
 
 use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
 use super::ring::{NoFrame, Ring, int, pieces, wrap};

@@ -9,7 +9,7 @@ use core::mem::MaybeUninit;
 
 use super::{DP_RC_ERROR_GENERIC, DP_RC_GARBAGE, DP_RC_NO_FRAME, DP_RC_SUCCESS, ProtocolMsg};
 use crate::config::{DP_DATA_MAX_SIZE, FAST};
-use crate::deltarobot::{Frame, Glance, NoFrame, Opcode, Proof, Ring, bytes};
+use crate::deltarobot::{Glance, NoFrame, Opcode, Proof, Ring, bytes};
 use crate::ffi::memory::int;
 
 /// What `opcode` becomes when no frame was received: never the opcode of one.
@@ -28,7 +28,7 @@ pub(in crate::ffi) unsafe fn next_message(ring: &mut Ring, msg: *mut ProtocolMsg
             return any_message(ring, msg, false);
         }
         match ring.glance() {
-            Some(Glance::Waiting) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some(Glance::Waiting) => no_frame(msg, NoFrame::Waiting),
             Some(Glance::Whole { start, opcode, size }) => whole(ring, msg, opcode, start, size),
             Some(Glance::NoStart) => no_start(ring, msg),
             Some(Glance::NoHead) => no_head(ring, msg),
@@ -48,10 +48,21 @@ pub(in crate::ffi) unsafe fn any_message(data: *mut Ring, msg: *mut ProtocolMsg,
     if msg.is_null() {
         return DP_RC_ERROR_GENERIC;
     }
-    // SAFETY: NULL, or a ring by the contract of this function.
-    let found = unsafe { data.as_mut() }.map(|ring| ring.search(idle));
-    // SAFETY: msg is not NULL, so a message outside the ring by the contract of this function.
-    unsafe { answer(msg, found) }
+    // SAFETY: data is NULL, or a ring by the contract of this function; msg is not NULL, so a message outside the ring.
+    // Chars and bytes that may be uninitialised have the same layout.
+    unsafe {
+        let Some(ring) = data.as_mut() else { return no_message(msg, DP_RC_ERROR_GENERIC) };
+        match ring.search(idle) {
+            Ok(frame) => {
+                (*msg).data_s = int(frame.payload.len());
+                (*msg).opcode = frame.opcode.0;
+                frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
+                (*msg).checksum_ok = 1;
+                DP_RC_SUCCESS
+            }
+            Err(none) => no_frame(msg, none),
+        }
+    }
 }
 
 /// A whole candidate. Sizes that the compiler knows make shorter code: beside the 5 bytes of every frame, requests have
@@ -129,7 +140,7 @@ unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     unsafe {
         match ring.look() {
             Some((start, Ok((opcode, size)))) => across(ring, msg, opcode.0, start, size),
-            Some((_, Err(NoFrame::Waiting))) => answer(msg, Some(Err(NoFrame::Waiting))),
+            Some((_, Err(NoFrame::Waiting))) => no_frame(msg, NoFrame::Waiting),
             Some((_, Err(NoFrame::Garbage))) => behind_garbage(ring, msg),
             None => any_message(ring, msg, false),
         }
@@ -140,14 +151,14 @@ unsafe fn unclear(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
 #[inline(never)]
 unsafe fn no_start(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
-    unsafe { if ring.is_empty() { answer(msg, Some(Err(NoFrame::Waiting))) } else { pass_garbage(ring, msg) } }
+    unsafe { if ring.is_empty() { no_frame(msg, NoFrame::Waiting) } else { pass_garbage(ring, msg) } }
 }
 
 /// A start, behind which the head is wrong or has yet to come.
 #[inline(never)]
 unsafe fn no_head(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
-    unsafe { if ring.awaits_head() { answer(msg, Some(Err(NoFrame::Waiting))) } else { behind_garbage(ring, msg) } }
+    unsafe { if ring.awaits_head() { no_frame(msg, NoFrame::Waiting) } else { behind_garbage(ring, msg) } }
 }
 
 /// A byte that is known to begin no frame.
@@ -163,7 +174,7 @@ unsafe fn pass_garbage(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     unsafe {
         match ring.pass() {
             Some(Ok((passed, opcode, size))) => second(ring, msg, opcode.0, passed, size),
-            Some(Err(none)) => answer(msg, Some(Err(none))),
+            Some(Err(none)) => no_frame(msg, none),
             None => any_message(ring, msg, false),
         }
     }
@@ -182,7 +193,7 @@ unsafe fn second(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, passed: usi
 unsafe fn behind_second(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     match ring.pass() {
         // SAFETY: the same contract.
-        Some(Err(none)) => return unsafe { answer(msg, Some(Err(none))) },
+        Some(Err(none)) => return unsafe { no_frame(msg, none) },
         Some(Ok((passed, ..))) => _ = ring.skip(passed),
         None => {}
     }
@@ -190,32 +201,29 @@ unsafe fn behind_second(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     unsafe { any_message(ring, msg, false) }
 }
 
-/// Tells the caller what was found. The message may be uninitialised: so no reference to it is made.
+/// There is no frame.
 #[inline(always)]
-unsafe fn answer(msg: *mut ProtocolMsg, found: Option<Result<Frame<'_>, NoFrame>>) -> c_int {
-    // SAFETY: as the contract of these functions asks; chars and bytes that may be uninitialised have the same layout.
-    unsafe {
-        let none = match found {
-            Some(Ok(frame)) => {
-                (*msg).opcode = frame.opcode.0;
-                (*msg).data_s = int(frame.payload.len());
-                frame.payload.copy_to(&mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>());
-                (*msg).checksum_ok = 1;
-                return DP_RC_SUCCESS;
-            }
-            Some(Err(NoFrame::Waiting)) => DP_RC_NO_FRAME,
-            Some(Err(NoFrame::Garbage)) => DP_RC_GARBAGE,
-            None => DP_RC_ERROR_GENERIC,
-        };
-        (*msg).opcode = NO_OPCODE;
-        none
-    }
+unsafe fn no_frame(msg: *mut ProtocolMsg, none: NoFrame) -> c_int {
+    let code = match none {
+        NoFrame::Waiting => DP_RC_NO_FRAME,
+        NoFrame::Garbage => DP_RC_GARBAGE,
+    };
+    // SAFETY: the same contract.
+    unsafe { no_message(msg, code) }
 }
 
-/// The same for a payload in one piece; that first: what was read of it for the checksum need not be read again then.
+#[inline(always)]
+unsafe fn no_message(msg: *mut ProtocolMsg, code: c_int) -> c_int {
+    // SAFETY: as the contract of these functions asks. The message may be uninitialised: so no reference to it is made.
+    unsafe { (*msg).opcode = NO_OPCODE };
+    code
+}
+
+/// Hands a payload in one piece to the caller. It goes first: what was read of it for the checksum need not be read
+/// again then.
 #[inline(always)]
 unsafe fn deliver(msg: *mut ProtocolMsg, opcode: c_uchar, payload: &[u8]) {
-    // SAFETY: as in answer.
+    // SAFETY: as the contract of these functions asks; chars and bytes as above.
     unsafe {
         let data = &mut *(&raw mut (*msg).data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>();
         bytes::copy(payload, data, MaybeUninit::new);
