@@ -94,6 +94,8 @@ unsafe fn whole_short(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, start:
     unsafe { whole_of::<true>(ring, msg, opcode, start, size) }
 }
 
+/// A whole candidate, the first that the call meets or the second. What lies beyond a second one is left to the search,
+/// whose time is bounded however many there are.
 #[inline(always)]
 unsafe fn whole_of<const FIRST: bool>(
     ring: &mut Ring,
@@ -188,7 +190,7 @@ unsafe fn second(ring: &mut Ring, msg: *mut ProtocolMsg, opcode: u8, passed: usi
     unsafe { whole_of::<false>(ring, msg, opcode, start, size) }
 }
 
-/// A second candidate's first byte, known to begin no frame too. A third one is left to the search.
+/// A second candidate's first byte, known to begin no frame too.
 #[inline(never)]
 unsafe fn behind_second(ring: &mut Ring, msg: *mut ProtocolMsg) -> c_int {
     match ring.pass() {
