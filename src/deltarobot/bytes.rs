@@ -52,25 +52,6 @@ fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
     sum
 }
 
-/// Adds as many bytes to a sum modulo 256 as there is room to note it after each.
-#[inline(always)]
-pub(super) fn add_up_each(mut sum: u8, bytes: &[u8], sums: &mut [u8]) -> u8 {
-    let length = bytes.len().min(sums.len());
-    let (Some(bytes), Some(sums)) = (bytes.get(..length), sums.get_mut(..length)) else { return sum };
-    let mut add = |bytes: &[u8], sums: &mut [u8]| {
-        for (byte, place) in bytes.iter().zip(sums) {
-            sum = sum.wrapping_add(*byte);
-            *place = sum;
-        }
-    };
-    let (mut blocks, mut places) = (bytes.chunks_exact(BLOCK), sums.chunks_exact_mut(BLOCK));
-    for (block, places) in blocks.by_ref().zip(places.by_ref()) {
-        add(block, places);
-    }
-    add(blocks.remainder(), places.into_remainder());
-    sum
-}
-
 /// Copies as many items as both have. `item` makes a byte what `to` consists of.
 #[inline(always)]
 pub(crate) fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
@@ -119,7 +100,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use super::{add_up, add_up_each, copy};
+    use super::{add_up, copy};
 
     fn some(length: usize) -> Vec<u8> {
         (0..=u8::MAX).map(|place| place.wrapping_mul(167).wrapping_add(89)).take(length).collect()
@@ -133,23 +114,6 @@ mod tests {
             assert_eq!(add_up(200, &bytes), sum, "{length} bytes");
         }
         assert_eq!(add_up(0, &[0xFF; 255]), 1);
-    }
-
-    #[test]
-    fn a_sum_is_noted_after_each_byte() {
-        for length in 0..=255 {
-            for room in [length, 0, 1, 15, 16, 17, 40, 255] {
-                let (bytes, mut sums) = (some(length), vec![1; room]);
-                let mut expected = sums.clone();
-                let mut sum = 200_u8;
-                for (place, byte) in expected.iter_mut().zip(&bytes) {
-                    sum = sum.wrapping_add(*byte);
-                    *place = sum;
-                }
-                assert_eq!(add_up_each(200, &bytes, &mut sums), sum, "{length} bytes in {room}");
-                assert_eq!(sums, expected, "{length} bytes in {room}");
-            }
-        }
     }
 
     #[test]

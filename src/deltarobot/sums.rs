@@ -50,25 +50,27 @@ impl Running {
     /// The sum of so many bytes that begin at `start`, where the ring has `used` ones.
     #[inline(always)]
     fn sum(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
-        // Of so few bits that the compiler sees: the end is no smaller than the place.
-        const FEW: usize = u32::MAX as usize;
-        let place = self.used.wrapping_sub(used) & FEW;
-        let end = place.wrapping_add(size & FEW);
-        match (self.sums.get(end), self.sums.get(place)) {
-            (Some(all), Some(before)) => all.wrapping_sub(*before),
+        let place = self.used.wrapping_sub(used);
+        match (self.sums.get(place), self.sums.get(place.wrapping_add(size))) {
+            (Some(before), Some(all)) => all.wrapping_sub(*before),
             _ => self.begin(ring, start, used, size),
         }
     }
 
     /// The same, and from now on that is the place.
-    #[cold]
     #[inline(never)]
     fn begin(&mut self, ring: &Ring, start: usize, used: usize, size: usize) -> u8 {
         self.used = used;
         let (first, rest) = pieces(&ring.bytes, start, used.min(const { AHEAD.wrapping_sub(1) }));
         let [_, sums @ ..] = &mut self.sums;
         let (now, later) = sums.split_at_mut_checked(first.len()).unwrap_or_default();
-        let _ = bytes::add_up_each(bytes::add_up_each(0, first, now), rest, later);
+        let mut sum = 0_u8;
+        for (sums, bytes) in [(now, first), (later, rest)] {
+            for (place, byte) in sums.iter_mut().zip(bytes) {
+                sum = sum.wrapping_add(*byte);
+                *place = sum;
+            }
+        }
         self.sums.get(size).copied().unwrap_or_default()
     }
 }
