@@ -50,16 +50,6 @@ pub enum NoFrame {
     Garbage,
 }
 
-/// What stands at a place in the ring.
-enum Candidate {
-    /// A frame, with so many bytes of payload.
-    Frame(Opcode, usize),
-    /// The beginning of a frame, or nothing at all.
-    Incomplete,
-    /// A byte no frame begins with.
-    Garbage,
-}
-
 impl Ring {
     /// An empty ring.
     #[must_use]
@@ -152,14 +142,14 @@ impl Ring {
             let candidate = self.judge(start, used);
             let begin = wrap(start.wrapping_add(FRAME_HEAD));
             let taken = match candidate {
-                Candidate::Incomplete if !idle || used == 0 => return Err(none),
-                Candidate::Incomplete | Candidate::Garbage => 1,
-                Candidate::Frame(_, length) => length.wrapping_add(FRAME_OVERHEAD),
+                Err(NoFrame::Waiting) if !idle || used == 0 => return Err(none),
+                Err(_) => 1,
+                Ok((_, length)) => length.wrapping_add(FRAME_OVERHEAD),
             };
             start = wrap(start.wrapping_add(taken));
             used = used.wrapping_sub(taken);
             (self.start, self.used) = (int(start), int(used));
-            if let Candidate::Frame(opcode, length) = candidate {
+            if let Ok((opcode, length)) = candidate {
                 return Ok(Frame { opcode, payload: Payload { ring: &self.bytes, begin, length } });
             }
             none = NoFrame::Garbage;
@@ -167,34 +157,34 @@ impl Ring {
     }
 
     /// Judges what stands at `start`, with `used` bytes there in all. A candidate is given up as soon as a byte of it
-    /// is wrong, so that what follows it is not waited for in vain.
+    /// is wrong, so that what follows it is not waited for in vain. A frame's opcode and the length of its payload.
     #[inline(always)]
-    fn judge(&self, start: usize, used: usize) -> Candidate {
+    fn judge(&self, start: usize, used: usize) -> Result<(Opcode, usize), NoFrame> {
         if used == 0 {
-            return Candidate::Incomplete;
+            return Err(NoFrame::Waiting);
         }
         if self.byte(start) != FRAME_START {
-            return Candidate::Garbage;
+            return Err(NoFrame::Garbage);
         }
         if used == 1 {
-            return Candidate::Incomplete;
+            return Err(NoFrame::Waiting);
         }
         let opcode = Opcode(self.byte(start.wrapping_add(1)));
         if !opcode.is_known() {
-            return Candidate::Garbage;
+            return Err(NoFrame::Garbage);
         }
         if used == 2 {
-            return Candidate::Incomplete;
+            return Err(NoFrame::Waiting);
         }
         let length = usize::from(self.byte(start.wrapping_add(2)));
         if length > DP_DATA_MAX_SIZE {
-            return Candidate::Garbage;
+            return Err(NoFrame::Garbage);
         }
         let size = length.wrapping_add(FRAME_OVERHEAD);
         if used < size {
-            return Candidate::Incomplete;
+            return Err(NoFrame::Waiting);
         }
-        if self.is_intact(start, size) { Candidate::Frame(opcode, length) } else { Candidate::Garbage }
+        if self.is_intact(start, size) { Ok((opcode, length)) } else { Err(NoFrame::Garbage) }
     }
 
     /// Whether the frame of `size` bytes at `start` ends as it should.
