@@ -44,7 +44,7 @@ SONAME  := libdeltarobot.so.$(firstword $(subst ., ,$(VERSION)))
 # What the library exports, of which the serial port is a part that can be left out.
 NAMES    = $(shell cat $(GENERATED)/exports.txt)
 EXPORTS  = $(filter-out dp_serial_%,$(NAMES)) $(SERIAL_EXPORTS)
-SERIAL_EXPORTS := $(if $(filter yes,$(SERIAL)),$(shell grep ^dp_serial_ src/ffi/exports.txt))
+SERIAL_EXPORTS := $(if $(filter yes,$(SERIAL)),$(shell grep ^dp_serial_ src/exports.txt))
 
 # Cargo's files (several OUTs can share them, one after the other), and the finished ones before they are put into
 # $(OUT): a plain `cargo build --release` writes its own libdeltarobot.a and .so into target/release.
@@ -115,7 +115,7 @@ HELPERS :=
 OBJECTS := $(STAGE)/deltarobot.o $(if $(SERIAL_EXPORTS),$(STAGE)/serial.o)
 $(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
 $(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
-$(OBJECTS): $(STAGE)/cargo.a src/ffi/exports.txt Makefile
+$(OBJECTS): $(STAGE)/cargo.a src/exports.txt Makefile
 	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $< $(HELPERS)
 	$(Q)$(OBJCOPY) -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' $(if $(findstring -none,$(DP_TARGET)),-R '.note*') \
 	    --strip-unneeded --keep-symbol='_[ZR]*' $(OF_OBJECT:%=--keep-global-symbol=%) $@
@@ -134,14 +134,14 @@ header: ## renews include/, which holds the headers of the default sizes
 	@echo "header: include is up to date"
 
 doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen
-	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --features cli \
+	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --workspace --exclude deltarobot-cli --features serial \
 	    --target-dir target
 	$(Q)mkdir -p target/doc/c && doxygen docs/Doxyfile
 	@echo "doc: target/doc/deltarobot/index.html for Rust, target/doc/c/html/index.html for C"
 
 # The tests call `make` themselves: they shall not take this one's options for theirs.
 test: ## runs all tests; TESTFLAGS go to `cargo test`
-	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) --features cli $(TESTFLAGS)
+	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) --workspace --features serial $(TESTFLAGS)
 	@echo "test: passed"
 
 check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
@@ -162,8 +162,8 @@ uninstall: ## removes what install put there, given the same directories
 # features, for the same file, and compile both anew each time.
 CLI_DIR := $(CARGO_DIR)/cli
 cli: ## builds the program `deltarobot`
-	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release --features cli \
-	    --bin deltarobot --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
+	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release -p deltarobot-cli \
+	    --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
 	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot,$(OUT)/deltarobot)
 	@echo "cli: $(OUT)/deltarobot"
 
@@ -200,7 +200,7 @@ coverage: ## prints how much of the code the tests run; needs llvm's tools
 
 # Into a page that people read; what is on it is never typed.
 figures: lib firmware-all ## measures everything again and writes docs/figures.md
-	$(Q)c_tests/figures.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE) >$(STAGE)/figures.md
+	$(Q)c_tests/bench/figures.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE) >$(STAGE)/figures.md
 	$(Q)mv $(STAGE)/figures.md docs/figures.md
 	@echo "figures: docs/figures.md is up to date"
 

@@ -9,95 +9,100 @@ use std::{env, error::Error, fmt::Write, fs, path::Path};
 /// Prefixes of sizes, and of the functions that rest on them.
 const FAMILIES: [&str; 3] = ["DP", "OLP", "GX"];
 
-/// The headers: each is generated from a module, `src/ffi/MODULE.rs` (and the further files named here, for types whose
-/// layout it shows), with the settings in `src/ffi/MODULE.toml`.
+/// The headers: each is generated from a module, `src/MODULE.rs` (and the further files named here, for types whose
+/// layout it shows), with the settings in `src/MODULE.toml`.
 const HEADERS: [(&str, &str, &[&str]); 13] = [
-    ("libdeltarobot/protocol.h", "protocol", &["src/deltarobot/ring.rs"]),
+    ("libdeltarobot/protocol.h", "protocol", &["crates/protocols/src/deltarobot/ring.rs"]),
     ("libdeltarobot/protocol_ext.h", "protocol_ext", &[]),
     (
         "libdeltarobot/payload.h",
         "payload",
-        &["src/ffi/payload/building.rs", "src/ffi/payload/reading.rs", "src/ffi/payload/text.rs"],
+        &["src/payload/building.rs", "src/payload/reading.rs", "src/payload/text.rs"],
     ),
     (
         "libdeltarobot/host.h",
         "host",
         &[
-            "src/ffi/host/event.rs",
-            "src/deltarobot/host.rs",
-            "src/deltarobot/host/health.rs",
-            "src/deltarobot/host/link.rs",
-            "src/deltarobot/host/request.rs",
-            "src/deltarobot/host/settings.rs",
+            "src/host/event.rs",
+            "crates/protocols/src/deltarobot/host.rs",
+            "crates/protocols/src/deltarobot/host/health.rs",
+            "crates/protocols/src/deltarobot/host/link.rs",
+            "crates/protocols/src/deltarobot/host/request.rs",
+            "crates/protocols/src/deltarobot/host/settings.rs",
         ],
     ),
-    ("libdeltarobot/controller.h", "controller", &["src/deltarobot/controller.rs"]),
-    ("libdeltarobot/serial.h", "serial", &["src/serial.rs"]),
+    ("libdeltarobot/controller.h", "controller", &["crates/protocols/src/deltarobot/controller.rs"]),
+    ("libdeltarobot/serial.h", "serial", &["src/port.rs"]),
     (
         "libdeltarobot/line_protocol.h",
         "line_protocol",
         &[
-            "src/ffi/line_protocol/checksum.rs",
-            "src/ffi/line_protocol/message.rs",
-            "src/ffi/line_protocol/value.rs",
-            "src/ffi/line_protocol/encoder.rs",
-            "src/ffi/line_protocol/receiver.rs",
-            "src/line/receiver.rs",
+            "src/line_protocol/checksum.rs",
+            "src/line_protocol/message.rs",
+            "src/line_protocol/value.rs",
+            "src/line_protocol/encoder.rs",
+            "src/line_protocol/receiver.rs",
+            "crates/protocols/src/line/receiver.rs",
         ],
     ),
     (
         "libdeltarobot/line_host.h",
         "line_host",
         &[
-            "src/ffi/line_host/event.rs",
-            "src/line/host.rs",
-            "src/line/host/counter.rs",
-            "src/line/host/table.rs",
-            "src/line/host/health.rs",
-            "src/line/host/settings.rs",
-            "src/line/host/slot.rs",
+            "src/line_host/event.rs",
+            "crates/protocols/src/line/host.rs",
+            "crates/protocols/src/line/host/counter.rs",
+            "crates/protocols/src/line/host/table.rs",
+            "crates/protocols/src/line/host/health.rs",
+            "crates/protocols/src/line/host/settings.rs",
+            "crates/protocols/src/line/host/slot.rs",
         ],
     ),
     (
         "libdeltarobot/line_device.h",
         "line_device",
         &[
-            "src/line/device.rs",
-            "src/line/device/answers.rs",
-            "src/line/device/health.rs",
-            "src/line/device/input.rs",
-            "src/line/device/setup.rs",
+            "crates/protocols/src/line/device.rs",
+            "crates/protocols/src/line/device/answers.rs",
+            "crates/protocols/src/line/device/health.rs",
+            "crates/protocols/src/line/device/input.rs",
+            "crates/protocols/src/line/device/setup.rs",
         ],
     ),
     (
         "libdeltarobot/gx.h",
         "gx",
         &[
-            "src/ffi/gx/write.rs",
-            "src/ffi/gx/contour.rs",
-            "src/gx/command.rs",
+            "src/gx/write.rs",
             "src/gx/contour.rs",
-            "src/gx/receiver.rs",
-            "src/gx/scanner.rs",
+            "crates/protocols/src/gx/command.rs",
+            "crates/protocols/src/gx/contour.rs",
+            "crates/protocols/src/gx/receiver.rs",
+            "crates/protocols/src/gx/scanner.rs",
         ],
     ),
     (
         "libdeltarobot/gx_host.h",
         "gx_host",
-        &["src/gx/host.rs", "src/gx/host/health.rs", "src/gx/host/settings.rs", "src/gx/host/window.rs"],
+        &[
+            "crates/protocols/src/gx/host.rs",
+            "crates/protocols/src/gx/host/health.rs",
+            "crates/protocols/src/gx/host/settings.rs",
+            "crates/protocols/src/gx/host/window.rs",
+        ],
     ),
     (
         "libdeltarobot/gx_motion.h",
         "gx_motion",
         &[
-            "src/gx/motion.rs",
-            "src/gx/motion/event.rs",
-            "src/gx/motion/health.rs",
-            "src/gx/motion/notices.rs",
-            "src/gx/motion/order.rs",
-            "src/gx/motion/queue.rs",
-            "src/gx/motion/reports.rs",
-            "src/gx/motion/settings.rs",
+            "crates/protocols/src/gx/motion.rs",
+            "crates/protocols/src/gx/motion/event.rs",
+            "crates/protocols/src/gx/motion/health.rs",
+            "crates/protocols/src/gx/motion/notices.rs",
+            "crates/protocols/src/gx/motion/order.rs",
+            "crates/protocols/src/gx/motion/queue.rs",
+            "crates/protocols/src/gx/motion/reports.rs",
+            "crates/protocols/src/gx/motion/settings.rs",
         ],
     ),
     ("ContouringProtocol.h", "contouring_protocol", &[]),
@@ -173,9 +178,9 @@ fn suffix(sizes: &[Size], family: &str) -> String {
     values.join("_")
 }
 
-/// The symbols that `src/ffi/exports.txt` lists, for these sizes.
+/// The symbols that `src/exports.txt` lists, for these sizes.
 fn exports(sizes: &[Size]) -> Result<String, Box<dyn Error>> {
-    let list = fs::read_to_string(format!("{}/src/ffi/exports.txt", env::var("CARGO_MANIFEST_DIR")?))?;
+    let list = fs::read_to_string(format!("{}/src/exports.txt", env::var("CARGO_MANIFEST_DIR")?))?;
     let mut symbols = String::new();
     for name in list.lines() {
         let family = name.split('_').next().unwrap_or_default().to_uppercase();
@@ -230,7 +235,7 @@ fn write_if_new(path: &Path, text: &str) -> std::io::Result<()> {
 /// The text of a header: what its `.toml` says, and what all of them have in common.
 fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<String, Box<dyn Error>> {
     let manifest = env::var("CARGO_MANIFEST_DIR")?;
-    let mut config = cbindgen::Config::from_file(format!("{manifest}/src/ffi/{module}.toml"))?;
+    let mut config = cbindgen::Config::from_file(format!("{manifest}/src/{module}.toml"))?;
     config.language = cbindgen::Language::C;
     // The posted header names no struct.
     config.style = if path.contains('/') { cbindgen::Style::Tag } else { cbindgen::Style::Type };
@@ -244,7 +249,7 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
         config.after_includes.map(|text| format!("{text}\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n"));
     config.trailer = Some("\n#ifdef __cplusplus\n}\n#endif\n\n#endif".into());
 
-    let mut builder = cbindgen::Builder::new().with_config(config).with_src(format!("{manifest}/src/ffi/{module}.rs"));
+    let mut builder = cbindgen::Builder::new().with_config(config).with_src(format!("{manifest}/src/{module}.rs"));
     for source in types {
         builder = builder.with_src(format!("{manifest}/{source}"));
     }

@@ -10,13 +10,15 @@
     reason = "a test that can't go on fails"
 )]
 
-mod support;
-
-#[cfg(feature = "cli")]
-mod cli;
+#[path = "common/examples.rs"]
 mod examples;
+#[path = "common/headers.rs"]
 mod headers;
+#[path = "deltarobot/oracle.rs"]
 mod oracle;
 mod packaging;
 mod programs;
+#[path = "common/support.rs"]
+mod support;
+#[path = "deltarobot/traces.rs"]
 mod traces;

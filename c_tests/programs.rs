@@ -39,48 +39,48 @@ macro_rules! in_every_mode {
 }
 
 in_every_mode! {
-    better: Program::c99("better", &["better.c"]);
-    contouring: Program::c99("contouring", &["contouring.c"]).family(Family::Gx);
-    controller: Program::c99("controller", &["controller.c"]);
-    cross_comm: Program::c99("cross_comm", &["cross_comm.cpp"]).language(Language::Cpp98);
-    ext: Program::c99("ext", &["ext.c"]);
-    gx: Program::c99("gx", &["gx.c"]).family(Family::Gx);
-    gx_channel: Program::c99("gx_channel", &["gx_channel.c"]).family(Family::Gx).slowly(&["300"]);
-    gx_contour: Program::c99("gx_contour", &["gx_contour.c"]).family(Family::Gx);
-    gx_host: Program::c99("gx_host", &["gx_host.c"]).family(Family::Gx);
-    gx_hostile: Program::c99("gx_hostile", &["gx_hostile.c"]).family(Family::Gx);
-    gx_layout: Program::c99("gx_layout", &["gx_layout.c"]).language(Language::C11).family(Family::Gx);
-    gx_motion: Program::c99("gx_motion", &["gx_motion.c"]).family(Family::Gx);
-    gx_streams: Program::c99("gx_streams", &["gx_streams.c"]).family(Family::Gx);
-    host_link: Program::c99("host_link", &["host_link.c"]);
-    host_session: Program::c99("host_session", &["host_session.c"]);
-    hostile: Program::c99("hostile", &["hostile.c"]);
-    layout: Program::c99("layout", &["layout.c"]).language(Language::C11);
-    layout_cpp: Program::c99("layout_cpp", &["layout_cpp.cpp"]).language(Language::Cpp98);
-    line_channel: Program::c99("line_channel", &["line_channel.c"]).family(Family::Line).slowly(&["300"]);
-    line_conversation: Program::c99("line_conversation", &["line_conversation.c"]).family(Family::Line);
-    line_device: Program::c99("line_device", &["line_device.c"]).family(Family::Line);
-    line_device_calls: Program::c99("line_device_calls", &["line_device_calls.c"]).family(Family::Line);
-    line_encoder: Program::c99("line_encoder", &["line_encoder.c"]).family(Family::Line);
-    line_host: Program::c99("line_host", &["line_host.c"]).family(Family::Line);
-    line_host_link: Program::c99("line_host_link", &["line_host_link.c"]).family(Family::Line);
-    line_layout: Program::c99("line_layout", &["line_layout.c"]).language(Language::C11).family(Family::Line);
-    line_protocol: Program::c99("line_protocol", &["line_protocol.c"]).family(Family::Line);
-    noise: Program::c99("noise", &["noise.c", MODEL]);
-    payload: Program::c99("payload", &["payload.c"]);
-    pc_utils: Program::c99("pc_utils", &["pc_utils.cpp"]).language(Language::Cpp98);
-    reentrant: Program::c99("reentrant", &["reentrant.c"]);
-    serial: Program::c99("serial", &["serial.c"]).family(Family::Serial);
-    session_channel: Program::c99("session_channel", &["session_channel.c"]).slowly(&["300"]);
-    threads: Program::c99("threads", &["threads.c"]);
-    two_units: Program::c99("two_units", &["two_units_a.c", "two_units_b.c"]);
+    better: Program::c99("better", &["deltarobot/better.c"]);
+    contouring: Program::c99("contouring", &["gx/contouring.c"]).family(Family::Gx);
+    controller: Program::c99("controller", &["deltarobot/controller.c"]);
+    cross_comm: Program::c99("cross_comm", &["deltarobot/cross_comm.cpp"]).language(Language::Cpp98);
+    ext: Program::c99("ext", &["deltarobot/ext.c"]);
+    gx: Program::c99("gx", &["gx/messages.c"]).family(Family::Gx);
+    gx_channel: Program::c99("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
+    gx_contour: Program::c99("gx_contour", &["gx/contour.c"]).family(Family::Gx);
+    gx_host: Program::c99("gx_host", &["gx/host.c"]).family(Family::Gx);
+    gx_hostile: Program::c99("gx_hostile", &["gx/hostile.c"]).family(Family::Gx);
+    gx_layout: Program::c99("gx_layout", &["gx/layout.c"]).language(Language::C11).family(Family::Gx);
+    gx_motion: Program::c99("gx_motion", &["gx/motion.c"]).family(Family::Gx);
+    gx_streams: Program::c99("gx_streams", &["gx/streams.c"]).family(Family::Gx);
+    host_link: Program::c99("host_link", &["deltarobot/host_link.c"]);
+    host_session: Program::c99("host_session", &["deltarobot/host_session.c"]);
+    hostile: Program::c99("hostile", &["deltarobot/hostile.c"]);
+    layout: Program::c99("layout", &["deltarobot/layout.c"]).language(Language::C11);
+    layout_cpp: Program::c99("layout_cpp", &["deltarobot/layout_cpp.cpp"]).language(Language::Cpp98);
+    line_channel: Program::c99("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
+    line_conversation: Program::c99("line_conversation", &["line/conversation.c"]).family(Family::Line);
+    line_device: Program::c99("line_device", &["line/device.c"]).family(Family::Line);
+    line_device_calls: Program::c99("line_device_calls", &["line/device_calls.c"]).family(Family::Line);
+    line_encoder: Program::c99("line_encoder", &["line/encoder.c"]).family(Family::Line);
+    line_host: Program::c99("line_host", &["line/host.c"]).family(Family::Line);
+    line_host_link: Program::c99("line_host_link", &["line/host_link.c"]).family(Family::Line);
+    line_layout: Program::c99("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
+    line_protocol: Program::c99("line_protocol", &["line/messages.c"]).family(Family::Line);
+    noise: Program::c99("noise", &["deltarobot/noise.c", MODEL]);
+    payload: Program::c99("payload", &["deltarobot/payload.c"]);
+    pc_utils: Program::c99("pc_utils", &["deltarobot/pc_utils.cpp"]).language(Language::Cpp98);
+    reentrant: Program::c99("reentrant", &["deltarobot/reentrant.c"]);
+    serial: Program::c99("serial", &["serial/serial.c"]).family(Family::Serial);
+    session_channel: Program::c99("session_channel", &["deltarobot/session_channel.c"]).slowly(&["300"]);
+    threads: Program::c99("threads", &["deltarobot/threads.c"]);
+    two_units: Program::c99("two_units", &["deltarobot/two_units_a.c", "deltarobot/two_units_b.c"]);
 }
 
 /// Too much for valgrind: it feeds all that four bytes can be.
 mod gx_exhaustive {
     use super::*;
 
-    const PROGRAM: Program = Program::c99("gx_exhaustive", &["gx_exhaustive.c"]);
+    const PROGRAM: Program = Program::c99("gx_exhaustive", &["gx/exhaustive.c"]);
 
     #[test]
     fn every_input_of_four_bytes() {
@@ -97,8 +97,8 @@ mod gx_exhaustive {
 mod send_opcode {
     use super::*;
 
-    const SEND_OPCODE: Program = Program::c99("send_opcode", &["send_opcode.c"]);
-    const PTY_RUN: Program = Program::c99("pty_run", &["pty_run.c"]);
+    const SEND_OPCODE: Program = Program::c99("send_opcode", &["deltarobot/send_opcode.c"]);
+    const PTY_RUN: Program = Program::c99("pty_run", &["deltarobot/pty_run.c"]);
 
     fn over_a_pseudo_terminal(mode: Mode) {
         let library = Library::of(DEFAULT);

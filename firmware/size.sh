@@ -64,7 +64,7 @@ for fn in dp_process dp_recv dp_send; do measure "$fn" "$fn"; done
 original=$whole
 measure "these three" dp_process dp_recv dp_send
 original=
-all=$(sed '/@\|^dp_serial_/d' "$here/../src/ffi/exports.txt")
+all=$(sed '/@\|^dp_serial_/d' "$here/../src/exports.txt")
 for fn in $all; do
     case $fn in dp_process | dp_recv | dp_send) ;; *) measure "$fn" "$fn" ;; esac
 done

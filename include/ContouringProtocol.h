@@ -3,7 +3,7 @@
  * ContouringProtocol.h: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
  * header that came with the proposal; libdeltarobot/gx.h has what that lacks.
  *
- * Generated from src/ffi/contouring_protocol.rs: `make header` renews it.
+ * Generated from src/contouring_protocol.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

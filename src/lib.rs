@@ -1,55 +1,75 @@
-//! Three serial protocols of motion control, for either end of the line, with a C ABI: a drop-in replacement for the C
-//! library that speaks the deltarobot message format, the Ozeki line protocol, and GX binary vectors.
+//! The C ABI: one file a header of `include/libdeltarobot/`.
 //!
-//! Three rings, each of which knows only the one inside it:
+//! A function here converts its pointers, calls the core and maps the answer, no more.
 //!
-//! 1. the core: [`deltarobot`], [`mod@line`] and [`gx`], the protocols in safe Rust that knows no C.
-//! 2. [`ffi`]: the C ABI. Converts pointers, calls the core, returns its answer. The headers in `include/` are
-//!    generated from it.
-//! 3. the artifact: what turns the crate into `libdeltarobot.a` and `.so`, a panic handler that the linker finds
-//!    unreachable.
+//! What all of them rely on, and what C callers therefore have to keep to:
 //!
-//! Nothing allocates, nothing blocks (but for the serial port), nothing keeps state of its own: every byte lives in
-//! structs of the caller's, so the library takes no RAM and two threads may use two objects at once.
+//! - A pointer is NULL, which is answered with `DP_RC_ERROR_GENERIC`, or it points to a whole object of its type,
+//!   aligned and writable where it is not `const`. The objects behind two arguments of a call do not overlap.
+//! - Contents may be anything, uninitialised memory included.
+//! - A call has its objects to itself: they are not touched by another thread or an interrupt while it runs.
+//!   Different objects can be used at the same time.
+//! - No reference to a caller's object is held while one of the caller's callbacks runs: a callback may call
+//!   the library on the same objects.
 //!
-//! Some sizes are fixed when the library is built: see [`config`].
-//!
-//! ```
-//! use deltarobot::deltarobot::{Opcode, Ring};
-//!
-//! let mut ring = Ring::new();
-//! ring.append(b"noise $S\x00\xB1:").unwrap();
-//! let Ok(frame) = ring.next_frame() else { panic!("the frame is intact") };
-//! assert_eq!(frame.opcode, Opcode::STATUS);
-//! assert!(frame.payload.is_empty());
-//! ```
+//! A function whose arguments depend on the sizes in [`crate::config`] is exported twice: under its plain name, for
+//! programs compiled with the original's header, and under a name that tells the sizes, for those
+//! compiled with ours, so that a program and a library of different sizes do not link.
 #![no_std]
-// Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the
-// compiler would turn copy loops into calls of memcpy.
+// Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the compiler would
+// turn copy loops into calls of memcpy.
 #![no_builtins]
-#![cfg_attr(
-    test,
-    allow(
-        clippy::arithmetic_side_effects,
-        clippy::indexing_slicing,
-        clippy::panic,
-        clippy::unwrap_used,
-        reason = "a test that can't go on fails"
-    )
-)]
 
 #[cfg(feature = "std")]
 extern crate std;
 
-mod clock;
-pub mod config;
-mod counter;
-mod decimal;
-pub mod deltarobot;
-pub mod ffi;
+pub mod contouring_protocol;
+pub mod controller;
 pub mod gx;
-pub mod line;
+pub mod gx_host;
+pub mod gx_motion;
+pub mod host;
+pub mod line_device;
+pub mod line_host;
+pub mod line_protocol;
+mod memory;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic_handler;
+pub mod payload;
+#[cfg(all(unix, feature = "serial"))]
+pub mod port;
+pub mod protocol;
+pub mod protocol_ext;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
+
+/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`; `olp:` or `gx:` in front of it
+/// says that they are those of another family.
+///
+/// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes
+/// one of two equal functions, so that they are two symbols at one address. Without it, the second export calls the
+/// first.
+macro_rules! sized_alias {
+    (olp: $($signature:tt)*) => {
+        $crate::sized_alias!("OLP_SIZES", $($signature)*);
+    };
+    (gx: $($signature:tt)*) => {
+        $crate::sized_alias!("GX_SIZES", $($signature)*);
+    };
+    ($sizes:literal, $name:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
+        $crate::sized_alias!($sizes, $name = $name($($arg: $type),*) -> $result);
+    };
+    ($sizes:literal, $name:ident = $function:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
+        const _: () = {
+            #[unsafe(export_name = concat!(stringify!($name), "_", env!($sizes)))]
+            unsafe extern "C" fn sized($($arg: $type),*) -> $result {
+                // SAFETY: the caller keeps to the contract of the plain export, which does the same.
+                unsafe { $function($($arg),*) }
+            }
+        };
+    };
+    ($($signature:tt)*) => {
+        $crate::sized_alias!("DP_SIZES", $($signature)*);
+    };
+}
+use sized_alias;

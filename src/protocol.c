@@ -1,5 +1,5 @@
 /*
- * The library is written in Rust (src/ffi/protocol.rs). This file stands where the original's source stood, so that
+ * The library is written in Rust (src/protocol.rs). This file stands where the original's source stood, so that
  * programs that compile or include it go on building: it compiles to nothing, and libdeltarobot.a brings the functions.
  */
 #ifndef PROTOCOL_C_NO_INCLUDE

@@ -10,8 +10,8 @@
 #define _POSIX_C_SOURCE 199309L
 #include "libdeltarobot/protocol_ext.h"
 
-#include "../model/model.h"
-#include "../wire.h"
+#include "../deltarobot/model/model.h"
+#include "../common/wire.h"
 #include "measure.h"
 
 #include <stdlib.h>

@@ -8,7 +8,7 @@ here=$(dirname "$0")
 mkdir -p "$work"
 
 # The model is what the original was: a library of its own, which the compiler can't merge with its caller.
-model="$here/../model/model.c"
+model="$here/../deltarobot/model/model.c"
 : >"$work/figures"
 for program in deltarobot line gx; do
     # shellcheck disable=SC2086 # lists of options

@@ -4,7 +4,7 @@ use std::ffi::CString;
 use std::mem::MaybeUninit;
 use std::time::{Duration, Instant};
 
-use deltarobot::serial::Port;
+use deltarobot::port::Port;
 
 use super::{PATIENCE, Running};
 

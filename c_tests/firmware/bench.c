@@ -4,7 +4,7 @@
  * a table on the UART, then the stack that was really used, and "done".
  */
 #include "../../examples/firmware/board.h"
-#include "../model/model.h"
+#include "../deltarobot/model/model.h"
 
 #include <libdeltarobot/protocol.h>
 

@@ -2,4 +2,4 @@
 #define model_process fast_process
 #define model_recv fast_recv
 #define model_send fast_send
-#include "../model/model.c"
+#include "../deltarobot/model/model.c"

@@ -98,13 +98,13 @@ if [ "$what" = test ]; then
     # The layouts, and the C tests of the other protocols, as they are, on what firmware gets. Not line_protocol.c: it
     # takes strtof for its measure, and newlib's rounds twice.
     lib=$root/target/firmware/thumbv7em-none-eabi
-    for program in layout gx_layout line_layout contouring gx gx_streams gx_contour gx_motion gx_host gx_hostile \
-        line_conversation line_encoder line_device line_device_calls line_host line_host_link; do
-        quietly arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -std=gnu11 -O1 -ffunction-sections -I "$root/c_tests" \
+    for program in deltarobot/layout gx/layout line/layout gx/contouring gx/messages gx/streams gx/contour gx/motion gx/host gx/hostile \
+        line/conversation line/encoder line/device line/device_calls line/host line/host_link; do
+        quietly arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -std=gnu11 -O1 -ffunction-sections -I "$root/c_tests/common" \
             -I "$lib/include" --specs=rdimon.specs -nostartfiles -T "$tests/semihost.ld" -Wl,--gc-sections \
-            -o "$out/$program.elf" "$tests/semihost.c" "$root/c_tests/$program.c" "$lib/libdeltarobot.a"
+            -o "$out/c_test.elf" "$tests/semihost.c" "$root/c_tests/$program.c" "$lib/libdeltarobot.a"
         quietly timeout 100 qemu-system-arm -M mps2-an386 -display none -monitor none -serial null \
-            -semihosting-config enable=on,target=native -kernel "$out/$program.elf"
+            -semihosting-config enable=on,target=native -kernel "$out/c_test.elf"
         echo "  thumbv7em-none-eabi, $(tail -n 1 "$out/log")"
     done
     echo "firmware-test: passed"
@@ -116,7 +116,7 @@ else
         lib=$root/target/firmware/$target
         mkdir -p "$out/bench"
         # shellcheck disable=SC2086 # lists of options
-        quietly "${prefix}gcc" "$@" -Os $sizes -c -o "$out/bench/small.o" "$root/c_tests/model/model.c"
+        quietly "${prefix}gcc" "$@" -Os $sizes -c -o "$out/bench/small.o" "$root/c_tests/deltarobot/model/model.c"
         # shellcheck disable=SC2086
         quietly "${prefix}gcc" "$@" -O2 $sizes -c -o "$out/bench/fast.o" "$tests/fast_model.c"
     }

@@ -3,7 +3,7 @@
  * libdeltarobot/controller.h: the controller's end of the link, for firmware: takes requests, has them carried out,
  * answers them.
  *
- * Generated from src/ffi/controller.rs: `make header` renews it.
+ * Generated from src/controller.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

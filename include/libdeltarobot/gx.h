@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/gx.h: commands and notices of the GX binary vector protocol.
  *
- * Generated from src/ffi/gx.rs: `make header` renews it.
+ * Generated from src/gx.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *
@@ -258,6 +258,11 @@ extern "C" {
 #define GX_AXES 6
 
 /**
+ * The high bit, by which binary values differ from everything that is ASCII.
+ */
+#define HIGH 128
+
+/**
  * Positions that 28 bits hold, in steps.
  */
 #define POSITION_MIN -(1 << 27)
@@ -296,6 +301,11 @@ extern "C" {
  * The largest code of an error notice: 7 bits.
  */
 #define CODE_MAX 127
+
+/**
+ * The high bits of the four bytes of a position.
+ */
+#define FOUR_HIGH 2155905152
 
 /**
  * Axes and velocity: a target, the deltas of a step, or a position. The layout is the proposal's `CPVectorCommand`.

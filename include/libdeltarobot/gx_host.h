@@ -3,7 +3,7 @@
  * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
  * where something was lost, and tells how they ended.
  *
- * Generated from src/ffi/gx_host.rs: `make header` renews it.
+ * Generated from src/gx_host.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

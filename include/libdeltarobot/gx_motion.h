@@ -3,7 +3,7 @@
  * libdeltarobot/gx_motion.h: the motion side of the GX protocol, for firmware: takes commands, queues the moves, tells
  * how they end, reports the position.
  *
- * Generated from src/ffi/gx_motion.rs: `make header` renews it.
+ * Generated from src/gx_motion.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/host.h: the host's end of the link: sends requests, repeats them, tells how they ended.
  *
- * Generated from src/ffi/host.rs: `make header` renews it.
+ * Generated from src/host.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

@@ -3,7 +3,7 @@
  * libdeltarobot/line_device.h: the device's end of the Ozeki line protocol's link, for firmware: tells which devices
  * are there, takes commands, has them executed, answers them, and sends events.
  *
- * Generated from src/ffi/line_device.rs: `make header` renews it.
+ * Generated from src/line_device.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

@@ -3,7 +3,7 @@
  * libdeltarobot/line_host.h: the PC's end of the Ozeki line protocol's link: sends commands, repeats them, tells how
  * they ended and what the devices say.
  *
- * Generated from src/ffi/line_host.rs for these sizes: `make header` renews it.
+ * Generated from src/line_host.rs for these sizes: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

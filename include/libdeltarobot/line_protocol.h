@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/line_protocol.h: lines of the Ozeki line protocol: checksum, reading, building, receiving.
  *
- * Generated from src/ffi/line_protocol.rs for these sizes: `make header` renews it.
+ * Generated from src/line_protocol.rs for these sizes: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/payload.h: building, reading and printing the messages of the specification.
  *
- * Generated from src/ffi/payload.rs: `make header` renews it.
+ * Generated from src/payload.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/protocol.h: frames of the deltarobot message format, specification v1.0.
  *
- * Generated from src/ffi/protocol.rs for these sizes: `make header` renews it.
+ * Generated from src/protocol.rs for these sizes: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

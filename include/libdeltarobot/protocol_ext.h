@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/protocol_ext.h: what the original's API lacks.
  *
- * Generated from src/ffi/protocol_ext.rs: `make header` renews it.
+ * Generated from src/protocol_ext.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

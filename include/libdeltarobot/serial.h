@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/serial.h: the serial port, on Unix. Not in libraries for bare metal.
  *
- * Generated from src/ffi/serial.rs: `make header` renews it.
+ * Generated from src/serial.rs: `make header` renews it.
  *
  * What holds for each function, unless it says otherwise (docs/api.md has all of it):
  *

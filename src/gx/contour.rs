@@ -1,139 +1,90 @@
-//! A path as the shortest stream of commands.
+//! Of `gx.h`: paths.
 
-use super::command::{AXES, MASK_AXES, Number, Vector};
-use super::encoder::{EncodeError, write_shortest};
+use core::ffi::{c_int, c_uchar, c_void};
 
-/// Writes a path: each position of a list is one command, the shortest that leads there from the one before.
+use super::write::write;
+use super::{GX_RC_ERROR_GENERIC, GX_RC_SUCCESS, init};
+use deltarobot_protocols::gx::{AXES, Contour, NumberField, Vector};
+
+/// Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
 ///
-/// A command names only the axes that change, in the short form if each changes by at most 63 steps, and the velocity
-/// only if that changes. A position that is repeated is a short command of one axis that does not move: who decodes the
-/// commands, each with [`Vector::follow`], gets the same list.
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
 ///
-/// All zero: the path is of no axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
-pub struct Contour {
-    /// The axes of the path and its velocity, if it has one.
-    target: Vector,
-    /// Position and velocity that the commands so far lead to, as far as they are known.
-    at: Vector,
-}
-
-impl Contour {
-    /// A path of these axes (bit i is axis i; other bits are ignored), the position where it begins unknown.
-    #[must_use]
-    pub const fn new(axes: u8) -> Self {
-        let mut target = Vector::new();
-        target.mask = axes & MASK_AXES;
-        Self { target, at: Vector::new() }
-    }
-
-    /// Makes it a path of other axes; tells whether it has any.
-    pub(crate) const fn set_axes(&mut self, axes: u8) -> bool {
-        self.target.mask = axes & MASK_AXES;
-        self.target.mask != 0
-    }
-
-    /// Where the machine is, and how fast it was told to move, as far as the mask says so.
-    pub fn starts_at(&mut self, start: &Vector) {
-        self.at.copy(start);
-    }
-
-    /// What is known of position and velocity no longer holds: after an error notice, the next command is a long one.
-    pub const fn forget(&mut self) {
-        self.at.mask = 0;
-    }
-
-    /// Writes the command that leads to the next position, and tells its length in bytes. Axes that are not the path's
-    /// are ignored; without a velocity, that of the last segment holds.
-    ///
-    /// # Errors
-    ///
-    /// See [`EncodeError`]. The path then still ends where it did.
-    pub fn segment(
-        &mut self,
-        number: Option<Number>,
-        position: &[i32; AXES],
-        velocity: Option<u16>,
-        room: &mut [u8],
-    ) -> Result<usize, EncodeError> {
-        let axes = self.target.mask & MASK_AXES;
-        let before = self.target.velocity();
-        let wanted = velocity.or(before);
-        if axes == 0 {
-            return Err(EncodeError::Empty);
-        }
-        for (place, value) in self.target.axes.iter_mut().zip(position) {
-            *place = *value;
-        }
-        self.flag(axes, wanted.filter(|_| wanted != self.at.velocity()));
-        let written = write_shortest(number, &self.target, &self.at, room);
-        if written.is_ok() {
-            for axis in 0..AXES {
-                if let Some(value) = self.target.axis(axis) {
-                    self.at.set(axis, value);
-                }
-            }
-            if let Some(velocity) = self.target.velocity() {
-                self.at.set_velocity(velocity);
-            }
-        }
-        self.flag(axes, if written.is_ok() { wanted } else { before });
-        written
-    }
-
-    /// Sets the mask of the target.
-    const fn flag(&mut self, axes: u8, velocity: Option<u16>) {
-        self.target.mask = axes;
-        if let Some(velocity) = velocity {
-            self.target.set_velocity(velocity);
-        }
+/// ```c
+/// struct gx_contour contour;
+/// gx_contour_init(&contour, 1 | 2 | 4);
+/// gx_contour_start(&contour, &position);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -> c_int {
+    // SAFETY: as the contract of this function asks; zero is a path of no axis.
+    match unsafe { init(contour) }.map(|contour| contour.set_axes(mask)) {
+        Some(true) => GX_RC_SUCCESS,
+        _ => GX_RC_ERROR_GENERIC,
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::{CommandReceiver, ENCODED_MAX, Item, POSITION_MAX, POSITION_MIN};
-    use super::*;
-    use proptest::prelude::*;
-    use std::vec::Vec;
-
-    /// Positions near the one before, and anywhere; -1, -64 and the like often.
-    fn path() -> impl Strategy<Value = Vec<[(bool, i32); AXES]>> {
-        let value = prop_oneof![
-            4 => (Just(true), -70..=70),
-            1 => (Just(true), Just(0)),
-            1 => (Just(false), POSITION_MIN..=POSITION_MAX),
-            1 => (Just(false), prop_oneof![Just(POSITION_MIN), Just(POSITION_MAX), Just(-1), Just(2_097_152)]),
-        ];
-        prop::collection::vec(prop::array::uniform6(value), 1..40)
+/// Tells where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+/// known, as after an error notice.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+///
+/// ```c
+/// if (item.kind == GX_REFUSED)
+///     gx_contour_start(&contour, NULL);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const Vector) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (contour.as_mut(), start.as_ref()) } {
+        (Some(contour), Some(start)) => contour.starts_at(start),
+        (Some(contour), None) => contour.forget(),
+        _ => return GX_RC_ERROR_GENERIC,
     }
+    GX_RC_SUCCESS
+}
 
-    proptest! {
-        #[test]
-        fn any_path_comes_back(
-            axes in 1..=MASK_AXES,
-            path in path(),
-            velocities in prop::collection::vec(prop::option::of(0..=16383_u16), 40),
-        ) {
-            let mut contour = Contour::new(axes);
-            let (mut receiver, mut item) = (CommandReceiver::new(), Item::new());
-            let (mut here, mut decoded) = ([0_i32; AXES], Vector::new());
-            for (step, velocity) in path.iter().zip(&velocities) {
-                for (place, (near, value)) in here.iter_mut().zip(step) {
-                    *place = if *near { (*place + value).clamp(POSITION_MIN, POSITION_MAX) } else { *value };
-                }
-                let mut room = [0; ENCODED_MAX];
-                let length = contour.segment(None, &here, *velocity, &mut room).unwrap();
-                prop_assert_eq!(receiver.receive(&room[..length], &mut item), length);
-                prop_assert_eq!(decoded.follow(&item.message().unwrap()), Ok(()));
-                for axis in (0..AXES).filter(|axis| axes >> axis & 1 == 1) {
-                    prop_assert_eq!(decoded.axis(axis), Some(here[axis]));
-                }
-                if velocity.is_some() {
-                    prop_assert_eq!(decoded.velocity(), *velocity);
-                }
+/// Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
+/// positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
+/// to 16383, or negative: as before.
+///
+/// Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+///
+/// ```c
+/// for (int i = 0; i < path_length; ++i)
+///     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+///         uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`; position is NULL or points to six values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_contour_segment(
+    contour: *mut Contour,
+    number: *const NumberField,
+    position: *const i32,
+    velocity: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    // More than there are stays more.
+    let velocity = if velocity < 0 { None } else { Some(u16::try_from(velocity).unwrap_or(u16::MAX)) };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match (contour.as_mut(), position.cast::<[i32; AXES]>().as_ref()) {
+            (Some(contour), Some(position)) => {
+                write(number, buf, cap, |number, room| contour.segment(number, position, velocity, room))
             }
+            _ => -GX_RC_ERROR_GENERIC,
         }
     }
 }

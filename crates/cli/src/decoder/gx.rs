@@ -1,0 +1,349 @@
+//! Commands and notices of the GX protocol.
+
+mod words;
+
+use std::time::Duration;
+
+use deltarobot_protocols::gx::{CommandReceiver, Item, Message, NoticeReceiver};
+use serde_json::json;
+
+use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
+use crate::hex::hex;
+use crate::recording::Side;
+use words::{piece, reason};
+
+/// What is incomplete is given up after so long: somebody may be typing.
+const PAUSE: Duration = Duration::from_secs(1);
+/// No number needs more bytes, `#` included, unless zeros come first.
+const NUMBER_LONGEST: usize = 16;
+const ESC: u8 = 0x1B;
+/// The least of packed bytes.
+const PACKED: u8 = 0x80;
+
+pub(crate) const TERMS: Terms =
+    Terms { messages: "messages", by_kind: "messages_by_kind", damaged: "malformed", damaged_member: "malformed" };
+
+/// Finds commands and notices as the library does, and keeps what it throws away.
+#[derive(Default)]
+pub(crate) struct Items {
+    lanes: Lanes<Lane>,
+}
+
+impl Decoder for Items {
+    fn feed(&mut self, from: Option<Side>, bytes: &[u8]) -> Vec<Piece> {
+        let mut found = Vec::new();
+        let lane = self.lanes.of(from);
+        for byte in bytes {
+            lane.take(from, *byte, &mut found);
+            if lane.garbage.len() >= GARBAGE_MAX {
+                lane.tell_garbage(from, &mut found);
+            }
+        }
+        found
+    }
+
+    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece> {
+        let mut found = Vec::new();
+        if silence >= QUIET {
+            self.lanes.of(from).idle(from, silence >= PAUSE, &mut found);
+        }
+        found
+    }
+}
+
+/// The receiver of either end.
+#[derive(Clone)]
+enum Reader {
+    Motion(CommandReceiver),
+    Host(NoticeReceiver),
+}
+
+impl Reader {
+    /// What reads the bytes that this side sends.
+    const fn of(from: Side) -> Self {
+        match from {
+            Side::Host => Self::Motion(CommandReceiver::new()),
+            Side::Controller => Self::Host(NoticeReceiver::new()),
+        }
+    }
+
+    const fn side(&self) -> Side {
+        match self {
+            Self::Motion(_) => Side::Host,
+            Self::Host(_) => Side::Controller,
+        }
+    }
+
+    /// Whether the byte was taken.
+    fn take(&mut self, byte: u8, item: &mut Item) -> bool {
+        let taken = match self {
+            Self::Motion(receiver) => receiver.receive(&[byte], item),
+            Self::Host(receiver) => receiver.receive(&[byte], item),
+        };
+        taken == 1
+    }
+
+    fn idle(&mut self, item: &mut Item) {
+        match self {
+            Self::Motion(receiver) => receiver.idle(item),
+            Self::Host(receiver) => receiver.idle(item),
+        }
+    }
+
+    /// What it would tell if nothing followed.
+    fn pending(&self) -> Item {
+        let mut item = Item::new();
+        self.clone().idle(&mut item);
+        item
+    }
+}
+
+/// The bytes of one direction, or of both.
+struct Lane {
+    reader: Reader,
+    /// A `#` and what follows, as long as it does not tell who sends it.
+    undecided: Vec<u8>,
+    /// The bytes of what is not complete.
+    bytes: Vec<u8>,
+    garbage: Vec<u8>,
+    /// What is wrong with it.
+    codes: Vec<u8>,
+    /// What was malformed may go on.
+    is_skipping: bool,
+}
+
+impl Default for Lane {
+    fn default() -> Self {
+        Self {
+            reader: Reader::of(Side::Host),
+            undecided: Vec::new(),
+            bytes: Vec::new(),
+            garbage: Vec::new(),
+            codes: Vec::new(),
+            is_skipping: false,
+        }
+    }
+}
+
+impl Lane {
+    fn take(&mut self, from: Option<Side>, byte: u8, found: &mut Vec<Piece>) {
+        if self.undecided.is_empty() {
+            self.begin_or_go_on(from, byte, found);
+            return;
+        }
+        self.undecided.push(byte);
+        if let Some(side) = sender_of_numbered(&self.undecided) {
+            self.decide(from, side, found);
+        }
+    }
+
+    /// Reads what was undecided as what that side sends.
+    fn decide(&mut self, from: Option<Side>, side: Side, found: &mut Vec<Piece>) {
+        self.expect(side);
+        for byte in std::mem::take(&mut self.undecided) {
+            self.read(from, byte, found);
+        }
+    }
+
+    fn begin_or_go_on(&mut self, from: Option<Side>, byte: u8, found: &mut Vec<Piece>) {
+        if self.bytes.is_empty() {
+            match (from, byte) {
+                (Some(side), _) => self.expect(side),
+                (None, b'#') => {
+                    self.undecided.push(byte);
+                    return;
+                }
+                (None, b'=' | b'?') => self.expect(Side::Controller),
+                (None, _) if self.is_skipping || byte.is_ascii_whitespace() => (),
+                (None, _) => self.expect(Side::Host),
+            }
+        }
+        self.read(from, byte, found);
+    }
+
+    fn expect(&mut self, side: Side) {
+        if self.reader.side() != side {
+            self.reader = Reader::of(side);
+        }
+    }
+
+    fn read(&mut self, from: Option<Side>, byte: u8, found: &mut Vec<Piece>) {
+        let mut item = Item::new();
+        if !self.reader.take(byte, &mut item) {
+            self.tell(from, &item, found);
+            // What ends one thing begins another, of which nothing is known.
+            self.begin_or_go_on(from, byte, found);
+            return;
+        }
+        self.bytes.push(byte);
+        if item.message().is_some() {
+            self.tell(from, &item, found);
+        } else if byte == ESC {
+            self.tell_garbage(from, found);
+            let json = json!({ "kind": "clear", "bytes": hex(&self.bytes) });
+            found.push(Piece::new(from, Kind::Message("clear".into()), "clear".into(), json));
+            self.bytes.clear();
+            self.is_skipping = false;
+        } else if self.reader.pending().message().is_none() {
+            // What belongs to nothing: the rest of what was malformed, or what separates two things.
+            if !byte.is_ascii_whitespace() {
+                self.garbage.append(&mut self.bytes);
+            }
+            self.bytes.clear();
+            self.is_skipping &= !matches!(byte, b'\r' | b'\n');
+        }
+    }
+
+    fn idle(&mut self, from: Option<Side>, gives_up: bool, found: &mut Vec<Piece>) {
+        // A packed number is a notice if nothing follows.
+        if !self.undecided.is_empty() && (gives_up || matches!(self.undecided.as_slice(), [_, PACKED..=0xFF, _])) {
+            self.decide(from, Side::Controller, found);
+        }
+        if gives_up || matches!(self.reader.pending().message(), Some(Message::Completed)) {
+            let mut item = Item::new();
+            self.reader.idle(&mut item);
+            self.tell(from, &item, found);
+        }
+        self.tell_garbage(from, found);
+    }
+
+    /// Tells what the bytes until here are.
+    fn tell(&mut self, from: Option<Side>, item: &Item, found: &mut Vec<Piece>) {
+        let bytes = std::mem::take(&mut self.bytes);
+        let Some(message) = item.message() else { return };
+        if let Message::Malformed(code) = message {
+            self.garbage.extend(bytes);
+            self.codes.push(code);
+            self.is_skipping = true;
+            return;
+        }
+        self.tell_garbage(from, found);
+        self.is_skipping = false;
+        found.push(piece(self.reader.side(), item, &message, &bytes));
+    }
+
+    fn tell_garbage(&mut self, from: Option<Side>, found: &mut Vec<Piece>) {
+        if self.garbage.is_empty() {
+            return;
+        }
+        let bytes = std::mem::take(&mut self.garbage);
+        let reasons: Vec<_> = std::mem::take(&mut self.codes).into_iter().map(reason).collect();
+        let kind = Kind::Garbage { bytes: bytes.len(), damaged: reasons.len() };
+        let json = json!({ "garbage": hex(&bytes), "malformed": reasons });
+        let reasons = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };
+        let text = format!("garbage: {}{reasons}", hex(&bytes));
+        found.push(Piece::new(from, kind, text, json));
+    }
+}
+
+/// Who sends what begins with `#` and these bytes; `None` as long as that does not tell.
+fn sender_of_numbered(bytes: &[u8]) -> Option<Side> {
+    let (is_packed, behind) = match bytes {
+        [] | [_] | [_, PACKED..=0xFF] => return None,
+        [_, PACKED..=0xFF, _, behind @ ..] => (true, behind),
+        [_, behind @ ..] => {
+            let digits = behind.iter().take_while(|byte| byte.is_ascii_digit()).count();
+            (false, behind.get(digits..).unwrap_or_default())
+        }
+    };
+    match behind.first() {
+        None if bytes.len() > NUMBER_LONGEST => Some(Side::Host),
+        None => None,
+        Some(b'?' | b'\r' | b'\n') => Some(Side::Controller),
+        // A number that is told, and the next notice behind it.
+        Some(b'#' | b'=') if is_packed => Some(Side::Controller),
+        Some(_) => Some(Side::Host),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Decoder, Items, Side};
+    use std::time::Duration;
+
+    fn feed(items: &mut Items, from: Option<Side>, bytes: &[u8]) -> Vec<String> {
+        let pieces = items.feed(from, bytes).into_iter();
+        pieces.map(|piece| format!("{} {}", piece.from.map_or(' ', Side::arrow), piece.text)).collect()
+    }
+
+    /// All that was sent, and that it does not matter in which portions it comes.
+    fn all(from: Option<Side>, bytes: &[u8]) -> Vec<String> {
+        let [mut whole, mut single] = [Items::default(), Items::default()];
+        let mut texts = feed(&mut whole, from, bytes);
+        let mut one_by_one: Vec<_> = bytes.iter().flat_map(|byte| feed(&mut single, from, &[*byte])).collect();
+        for (texts, items) in [(&mut texts, &mut whole), (&mut one_by_one, &mut single)] {
+            texts.extend(
+                items
+                    .end(from)
+                    .into_iter()
+                    .map(|piece| format!("{} {}", piece.from.map_or(' ', Side::arrow), piece.text)),
+            );
+        }
+        assert_eq!(texts, one_by_one);
+        texts
+    }
+
+    const COMMANDS: &[u8] =
+        b"!\x83\xE8\x87\x80\x80\x98\xF8\xFF\xFF*\x83\x81\xFF#12 V1000x400y300\n#\x81\x80!\xC0\xE8\x87\
+        R250\r\n~\x80\x80";
+    const NOTICES: &[u8] =
+        b"#12\n#\x81\x80#\x82\x80?\x87?4\n=\x21\x83\xE8\x87\x80\x80\x98\xF8\xFF\xFF=x400y-3\n#\x80\x81";
+
+    #[test]
+    fn commands_and_notices() {
+        let commands = [
+            "> move  x=1000  y=-1000",
+            "> step  x=+1  y=-1",
+            "> #12 move  x=400  y=300  V=1000 (ASCII)",
+            "> #1 velocity  V=1000",
+            "> reporting  each 250 ms (ASCII)",
+            "> reporting  off",
+        ];
+        let notices = [
+            "< #12 completed (ASCII)",
+            "< #1 completed",
+            "< #2 refused  out of range (error 7)",
+            "< refused  out of place (error 4) (ASCII)",
+            "< position  x=1000  y=-1000",
+            "< position  x=400  y=-3 (ASCII)",
+            "< #128 completed",
+        ];
+        assert_eq!(all(Some(Side::Host), COMMANDS), commands);
+        assert_eq!(all(Some(Side::Controller), NOTICES), notices);
+        assert_eq!(all(None, COMMANDS), commands);
+        assert_eq!(all(None, NOTICES), notices);
+        let both = [COMMANDS, NOTICES, b"\n", COMMANDS].concat();
+        assert_eq!(all(None, &both), [commands.as_slice(), notices.as_slice(), commands.as_slice()].concat());
+    }
+
+    #[test]
+    fn what_is_malformed() {
+        assert_eq!(
+            all(Some(Side::Host), b"!\x83\xE8*\x81\x81x1q5y6\nx7\n\x80\x81"),
+            [
+                "> garbage: 21 83 E8 (interrupted (error 3))",
+                "> step  x=+1",
+                "> garbage: 78 31 71 35 79 36 (out of place (error 4))",
+                "> move  x=7 (ASCII)",
+                "> garbage: 80 81 (no command begins like that (error 1))",
+            ]
+        );
+        assert_eq!(all(None, b"=x1q5y6\nx7\n")[1], "> move  x=7 (ASCII)");
+        assert_eq!(all(None, b"!\x83\x1Bx7\n"), ["  clear", "> move  x=7 (ASCII)"]);
+        assert_eq!(all(None, b"#123456789012345678901234567890x5\n").len(), 1);
+        let noise: Vec<_> = (0..2000_u32).map(|place| (place.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        assert!(!all(None, &noise).is_empty());
+    }
+
+    #[test]
+    fn silence() {
+        let mut items = Items::default();
+        assert!(feed(&mut items, None, b"#\x81\x80").is_empty());
+        assert_eq!(items.idle(None, Duration::from_millis(49)), []);
+        assert_eq!(items.idle(None, Duration::from_millis(50))[0].text, "#1 completed");
+        assert!(feed(&mut items, None, b"x12").is_empty());
+        assert_eq!(items.idle(None, Duration::from_millis(999)), []);
+        assert_eq!(items.idle(None, Duration::from_secs(1))[0].text, "garbage: 78 31 32 (interrupted (error 3))");
+        assert_eq!(items.end(None), []);
+    }
+}

@@ -1,0 +1,91 @@
+//! Commands and notices in words, and as JSON.
+
+use deltarobot_protocols::gx::{AXES, Format, Item, MASK_AXES, Message, Vector, motion};
+use serde_json::{Value, json};
+
+use crate::decoder::{Kind, Piece};
+use crate::hex::hex;
+use crate::recording::Side;
+
+/// What the axes are called.
+const NAMES: [&str; AXES] = ["x", "y", "z", "a", "b", "c"];
+
+/// What a command or notice says.
+pub(super) fn piece(from: Side, item: &Item, message: &Message, bytes: &[u8]) -> Piece {
+    let (name, said) = match message {
+        Message::Move(vector) if vector.mask & MASK_AXES == 0 => ("velocity", axes(vector, false)),
+        Message::Move(vector) => ("move", axes(vector, false)),
+        Message::Step(vector) => ("step", axes(vector, true)),
+        Message::Reporting(0) => ("reporting", "  off".into()),
+        Message::Reporting(period) => ("reporting", format!("  each {period} ms")),
+        Message::Completed => ("completed", String::new()),
+        Message::Refused(code) => ("refused", format!("  {}", reason(*code))),
+        Message::Position(vector) => ("position", axes(vector, false)),
+        Message::Malformed(code) => ("malformed", format!("  {}", reason(*code))),
+    };
+    let number = item.number().map_or(String::new(), |number| format!("#{} ", number.value));
+    let remark = if item.format() == Format::Ascii { " (ASCII)" } else { "" };
+
+    let mut json = json!({
+        "kind": name,
+        "format": format_name(item.format()),
+        "number": item.number().map(|number| number.value),
+        "number_format": item.number().map(|number| format_name(number.format)),
+        "bytes": hex(bytes),
+    });
+    let more = match message {
+        Message::Move(vector) => json!({ "target": axes_json(vector), "velocity": vector.velocity() }),
+        Message::Step(vector) => json!({ "delta": axes_json(vector), "velocity": vector.velocity() }),
+        Message::Position(vector) => json!({ "position": axes_json(vector) }),
+        Message::Reporting(period) => json!({ "period_ms": period }),
+        Message::Refused(code) | Message::Malformed(code) => json!({ "code": code, "reason": reason(*code) }),
+        Message::Completed => json!({}),
+    };
+    if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
+        json.extend(more);
+    }
+    Piece::new(Some(from), Kind::Message(name.into()), format!("{number}{name}{said}{remark}"), json)
+}
+
+/// Axes and velocity, such as `  x=400  y=300  V=1000`.
+fn axes(vector: &Vector, signed: bool) -> String {
+    let values = NAMES.iter().enumerate().filter_map(|(axis, name)| Some((name, vector.axis(axis)?)));
+    let values =
+        values.map(|(name, value)| if signed { format!("  {name}={value:+}") } else { format!("  {name}={value}") });
+    values.chain(vector.velocity().map(|velocity| format!("  V={velocity}"))).collect()
+}
+
+fn axes_json(vector: &Vector) -> Value {
+    let values =
+        NAMES.iter().enumerate().filter_map(|(axis, name)| Some(((*name).to_owned(), vector.axis(axis)?.into())));
+    Value::Object(values.collect())
+}
+
+const fn format_name(format: Format) -> &'static str {
+    match format {
+        Format::Binary => "binary",
+        Format::Ascii => "ascii",
+    }
+}
+
+/// What an error notice's code means.
+pub(super) fn reason(code: u8) -> String {
+    let words = match code {
+        1 => "no command begins like that",
+        2 => "no number",
+        3 => "interrupted",
+        4 => "out of place",
+        5 => "nothing in it",
+        6 => "an axis or the velocity twice",
+        7 => "out of range",
+        8 => "leads too far, or from an unknown position",
+        9 => "no room",
+        motion::ORDER => "not the next number",
+        motion::CLOSED => "no session",
+        motion::NUMBERLESS => "without a number",
+        motion::AXIS => "no such axis",
+        motion::STOPPED => "stopped",
+        _ => return format!("error {code}"),
+    };
+    format!("{words} (error {code})")
+}

@@ -1,0 +1,152 @@
+//! A controller with a robot that has three arms.
+
+mod robot;
+
+use std::time::Duration;
+
+use deltarobot_protocols::deltarobot::controller::{Dispatcher, Judgement, Order};
+use deltarobot_protocols::deltarobot::{FRAME_MAX, Layout, Message, PAYLOAD_MAX, encode};
+
+use super::random::Random;
+use super::{Machine, above_zero};
+use crate::decoder::QUIET;
+use robot::Robot;
+
+/// Options of the controller.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Options of --protocol deltarobot")]
+pub(super) struct ControllerOptions {
+    /// What to answer like: `firmware`, the default, sends status reports of 16 bytes with the reserved bits set;
+    /// `spec` sends 13 bytes, and HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides
+    #[arg(long, value_enum)]
+    layout: Option<Kind>,
+    /// Displacement of the fastest arm in a second; 50 by default
+    #[arg(long, value_name = "UNITS", value_parser = above_zero)]
+    speed: Option<f64>,
+    /// Sends neither ACK nor NACK
+    #[arg(long)]
+    no_ack: bool,
+}
+
+/// What the controller answers like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    Spec,
+    Firmware,
+}
+
+impl ControllerOptions {
+    /// The first of them that was given.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let given = [("--layout", self.layout.is_some()), ("--speed", self.speed.is_some()), ("--no-ack", self.no_ack)];
+        given.into_iter().find_map(|(option, is_given)| is_given.then_some(option))
+    }
+}
+
+pub(super) struct Controller {
+    is_firmware: bool,
+    no_ack: bool,
+    dispatcher: Dispatcher,
+    robot: Robot,
+    /// What is in the padding of reports.
+    rubbish: Random,
+    /// When anything came last.
+    heard: Duration,
+    turned: Duration,
+}
+
+impl Controller {
+    pub(super) fn new(options: &ControllerOptions, rubbish: Random) -> Self {
+        Self {
+            is_firmware: options.layout != Some(Kind::Spec),
+            no_ack: options.no_ack,
+            dispatcher: Dispatcher::new(),
+            robot: Robot::new(options.speed.unwrap_or(50.0)),
+            rubbish,
+            heard: Duration::ZERO,
+            turned: Duration::ZERO,
+        }
+    }
+
+    /// Answers all requests.
+    fn serve(&mut self, idle: bool, out: &mut Vec<u8>) {
+        while let Some(order) = self.dispatcher.order(idle) {
+            self.answer(&order, out);
+        }
+    }
+
+    fn answer(&mut self, order: &Order, out: &mut Vec<u8>) {
+        let now = self.robot.report(self.is_firmware);
+        let judgement = self.dispatcher.judge(order, &now);
+        let accepted = match judgement {
+            Judgement::Home => self.robot.home(),
+            Judgement::Move(target) => self.robot.move_to(target),
+            Judgement::Cancel => self.robot.cancel(),
+            Judgement::Repeated => true,
+            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
+        };
+        if accepted {
+            self.dispatcher.began(&judgement);
+        }
+        if judgement != Judgement::Report && !self.no_ack {
+            self.say(&if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) }, out);
+        }
+        if judgement != Judgement::RefuseOnly {
+            self.report(out);
+            let now = self.robot.report(self.is_firmware);
+            self.dispatcher.reports(&now);
+        }
+    }
+
+    fn report(&mut self, out: &mut Vec<u8>) {
+        let report = self.robot.report(self.is_firmware);
+        self.say(&Message::StatusReport(report), out);
+    }
+
+    fn say(&mut self, message: &Message, out: &mut Vec<u8>) {
+        let layout = if self.is_firmware { Layout::Firmware } else { Layout::Spec };
+        let mut payload = [0; PAYLOAD_MAX];
+        let length = message.write(layout, &mut payload);
+        if let (Message::StatusReport(_), true) = (message, self.is_firmware) {
+            // Shipped firmware: the reserved bits are 1, the padding is whatever was there.
+            let [.., stat, first, second, third] = &mut payload;
+            *stat |= 0xE0;
+            [*first, *second, *third, ..] = self.rubbish.next().to_le_bytes();
+        }
+        let mut frame = [0; FRAME_MAX];
+        // What is too long for this build's frames is not sent.
+        let length = encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame).unwrap_or(0);
+        out.extend_from_slice(frame.get(..length).unwrap_or_default());
+    }
+}
+
+impl Machine for Controller {
+    fn receive(&mut self, bytes: &[u8], now: Duration, out: &mut Vec<u8>) {
+        self.heard = now;
+        // In pieces that fit, or requests would be lost.
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (fits, later) = rest.split_at(rest.len().min(self.dispatcher.ring().room()).max(1));
+            let _ = self.dispatcher.ring().append(fits);
+            rest = later;
+            self.serve(false, out);
+        }
+    }
+
+    fn turn(&mut self, now: Duration, out: &mut Vec<u8>) {
+        if now.saturating_sub(self.heard) >= QUIET {
+            self.serve(true, out);
+        }
+        let stepped = self.robot.turn(now.saturating_sub(self.turned).as_secs_f64());
+        self.turned = now;
+        let report = self.robot.report(self.is_firmware);
+        if let Some(end) = self.dispatcher.ended(&report) {
+            if let Some(end) = end.filter(|_| !self.is_firmware) {
+                self.say(&end, out);
+            }
+            self.report(out);
+        } else if stepped {
+            self.report(out);
+        }
+    }
+}

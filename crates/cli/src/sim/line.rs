@@ -1,0 +1,206 @@
+//! A microcontroller with a heater, a switch and a button behind the link of the line protocol.
+
+mod board;
+
+use std::time::Duration;
+
+use deltarobot_protocols::config::OLP_REPLY_MAX;
+use deltarobot_protocols::line::device::{DeviceLink, Fault, Input, OWN_LINE_MAX, Request, Setup, is_id, is_setup};
+use deltarobot_protocols::line::{Encoder, Message};
+
+use super::{Machine, above_zero, milliseconds};
+use board::{Board, MANAGER};
+
+/// From the opening of the device, which resets such a microcontroller, to the first welcome. A real one takes longer.
+const BOOT: Duration = Duration::from_millis(100);
+/// Bytes that wait meanwhile.
+const WAITING_MAX: usize = 4096;
+
+/// Options of the devices.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Options of --protocol line")]
+pub(super) struct DevicesOptions {
+    /// Has a linksetup event follow the welcomes, which puts acks in force
+    #[arg(long)]
+    ack: bool,
+    /// Has a linksetup event follow the welcomes, which puts checksums in force
+    #[arg(long)]
+    checksum: bool,
+    /// Has a linksetup event follow the welcomes, which lets so many commands be unanswered at a time
+    #[arg(long, value_name = "COMMANDS")]
+    window: Option<u16>,
+    /// Presses the button that often; every 10 seconds by default
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
+    press: Option<f64>,
+}
+
+impl DevicesOptions {
+    /// The first of them that was given.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--ack", self.ack),
+            ("--checksum", self.checksum),
+            ("--window", self.window.is_some()),
+            ("--press", self.press.is_some()),
+        ];
+        given.into_iter().find_map(|(option, is_given)| is_given.then_some(option))
+    }
+
+    /// The setup that the devices begin with, if not with the default.
+    fn setup(&self) -> Option<Setup> {
+        let is_given = self.ack || self.checksum || self.window.is_some();
+        is_given.then(|| Setup::new(self.ack, self.checksum, self.window.unwrap_or(1)))
+    }
+}
+
+pub(super) struct Devices {
+    link: DeviceLink,
+    input: Input,
+    board: Board,
+    setup: Option<Setup>,
+    /// When it will have booted.
+    boots_until: Option<Duration>,
+    /// What has come until then.
+    waiting: Vec<u8>,
+}
+
+impl Devices {
+    pub(super) fn new(options: &DevicesOptions) -> Self {
+        Self {
+            link: DeviceLink::default(),
+            input: Input::new(),
+            board: Board::new(Duration::from_secs_f64(options.press.unwrap_or(10.0))),
+            setup: options.setup(),
+            boots_until: None,
+            waiting: Vec::new(),
+        }
+    }
+
+    fn greet(&mut self, out: &mut Vec<u8>) {
+        let mut room = [0; OLP_REPLY_MAX];
+        for welcome in board::WELCOMES {
+            let length = welcome.write(&mut room).unwrap_or_default();
+            add(out, &room, length);
+        }
+        if let Some(setup) = self.setup {
+            let length = self.link.setup_event(setup, MANAGER, &mut room);
+            add(out, &room, length);
+        }
+    }
+
+    /// Deals with the line that was received, if there is one.
+    fn serve(&mut self, now: Duration, out: &mut Vec<u8>) {
+        let Some(line) = self.input.line() else { return };
+        let message = line.and_then(|line| Message::parse(line).map_err(|_| Fault::Malformed));
+        let accepted = message.and_then(|message| Ok((message, self.link.accept(&message, milliseconds(now))?)));
+        match accepted {
+            Ok((message, request)) => answer(&mut self.link, &mut self.board, &message, &request, out),
+            Err(fault) => {
+                let mut room = [0; OWN_LINE_MAX];
+                let length = self.link.fault(fault, None, MANAGER, &mut room);
+                add(out, &room, length);
+            }
+        }
+        self.input.release();
+    }
+}
+
+/// Answers a command that was received intact: first the ack, then the response or an error in its place.
+fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, request: &Request, out: &mut Vec<u8>) {
+    let mut room = [0; OLP_REPLY_MAX];
+    let asked = message.get(b"id").unwrap_or_default();
+    let known = board::WELCOMES.iter().map(|welcome| welcome.id).find(|id| asked.is(id));
+    let id = known.unwrap_or(if is_id(asked.raw()) { asked.raw() } else { b"" });
+    let is_setup = known.is_some() && is_setup(message);
+    if is_setup {
+        link.change_setup(message);
+    }
+    let length = link.ack(request, id, &mut room);
+    add(out, &room, length);
+
+    if is_setup {
+        let length = link.setup_answer(message, id, &mut room);
+        add(out, &room, length);
+    } else if known.is_none() {
+        let length = link.fault(Fault::UnknownId, Some(request), id, &mut room);
+        add(out, &room, length);
+    } else if let Some(again) = link.repeated(request) {
+        out.extend_from_slice(again);
+    } else if let Some(command) = board::command(id, message) {
+        let mut said = Encoder::begin(&mut room, b"x");
+        let begun = said.length();
+        let result = board.execute(command, message, &mut said);
+        let length = said.length();
+        let params = result.map(|()| room.get(begun..length).unwrap_or_default());
+        out.extend_from_slice(finish(link, request, id, command, params));
+    } else {
+        let length = link.fault(Fault::UnknownCommand, Some(request), id, &mut room);
+        add(out, &room, length);
+    }
+}
+
+/// Finishes the answer to a command, which has these parameters.
+fn finish<'a>(
+    link: &'a mut DeviceLink,
+    request: &Request,
+    id: &[u8],
+    command: &[u8],
+    params: Result<&[u8], Fault>,
+) -> &'a [u8] {
+    let (room, begun) = link.begin(command);
+    let length = params.and_then(|params| {
+        let end = begun + params.len();
+        room.get_mut(begun..end).ok_or(Fault::TooLong)?.copy_from_slice(params);
+        Ok(end)
+    });
+    link.finish(request, id, length).0
+}
+
+fn add(out: &mut Vec<u8>, room: &[u8], length: usize) {
+    out.extend_from_slice(room.get(..length).unwrap_or_default());
+}
+
+impl Machine for Devices {
+    fn connected(&mut self, now: Duration) {
+        self.link = DeviceLink::default();
+        self.input = Input::new();
+        self.board.reset(now);
+        self.boots_until = Some(now + BOOT);
+        self.waiting.clear();
+    }
+
+    fn receive(&mut self, bytes: &[u8], now: Duration, out: &mut Vec<u8>) {
+        if self.boots_until.is_some() {
+            self.waiting.extend(bytes.iter().take(WAITING_MAX.saturating_sub(self.waiting.len())));
+            return;
+        }
+        self.link.tick(milliseconds(now));
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let taken = self.input.take(rest);
+            rest = rest.get(taken..).unwrap_or_default();
+            self.serve(now, out);
+        }
+    }
+
+    fn turn(&mut self, now: Duration, out: &mut Vec<u8>) {
+        if self.boots_until.is_some_and(|until| now >= until) {
+            self.boots_until = None;
+            self.greet(out);
+            let waiting = std::mem::take(&mut self.waiting);
+            self.receive(&waiting, now, out);
+        }
+        let events = self.board.turn(now);
+        if self.boots_until.is_some() {
+            return;
+        }
+        self.link.tick(milliseconds(now));
+        for event in events {
+            let mut room = [0; OLP_REPLY_MAX];
+            let mut line = Encoder::begin(&mut room, event.name);
+            event.write(&mut line);
+            let length = self.link.finish_event(&mut line, event.id).unwrap_or_default();
+            add(out, &room, length);
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Decimal numbers read as the nearest float.
+
+use super::{BASE, FIRST_PLACE, LIMB_DIGITS, LIMBS, UNITS, WHOLE, double, halve};
+use crate::config::FAST;
+
+/// Digits of a limb.
+const PER_LIMB: u32 = LIMB_DIGITS.unsigned_abs();
+
+/// Exponents beyond that are as good as that: no text has so many digits that it matters.
+const EXPONENT_MAX: i32 = 1_000_000;
+
+/// Reads digits, perhaps with a point in or around them and an exponent behind (`12`, `.5`, `1.`, `1e-3`): the bits of
+/// the nearest float, of two the even one, or `None` when an infinity would be nearest; and what stands behind the
+/// number. `None` instead of both when no number stands there.
+pub fn read_float<T: Iterator<Item = u8> + Clone>(text: T) -> Option<(Option<u32>, T)> {
+    let mut whole = 0_i32;
+    let mut count = 0_i32;
+    let mut point = false;
+    let mut rest = text.clone();
+    let mut ahead = text.clone();
+    loop {
+        match ahead.next() {
+            Some(b'0'..=b'9') => {
+                count = count.saturating_add(1);
+                whole = whole.saturating_add(i32::from(!point));
+            }
+            Some(b'.') if !point => point = true,
+            _ => break,
+        }
+        rest = ahead.clone();
+    }
+    if count == 0 {
+        return None;
+    }
+    let exponent = match exponent(rest.clone()) {
+        Some((exponent, behind)) => {
+            rest = behind;
+            exponent
+        }
+        None => 0,
+    };
+
+    let digits =
+        text.filter(|byte| *byte != b'.').map(|byte| byte.wrapping_sub(b'0')).take(count.unsigned_abs() as usize);
+    let digits_to_read = digits.clone();
+    if FAST && let Some(bits) = short(digits, count, exponent.wrapping_sub(count.wrapping_sub(whole))) {
+        return Some((Some(bits), rest));
+    }
+    Some((nearest(digits_to_read, whole.saturating_add(exponent)), rest))
+}
+
+/// An `e`, perhaps a sign, and digits. A space is a plus too: what becomes of `1e+06` in a value that nobody encoded.
+fn exponent<T: Iterator<Item = u8> + Clone>(mut text: T) -> Option<(i32, T)> {
+    if !matches!(text.next(), Some(b'e' | b'E')) {
+        return None;
+    }
+    let mut ahead = text.clone();
+    let sign = ahead.next();
+    if matches!(sign, Some(b'-' | b'+' | b' ')) {
+        text = ahead.clone();
+    } else {
+        ahead = text.clone();
+    }
+    let mut size = None;
+    while let Some(digit @ b'0'..=b'9') = ahead.next() {
+        let more = size.unwrap_or(0_i32).saturating_mul(10).saturating_add(i32::from(digit.wrapping_sub(b'0')));
+        size = Some(more.min(EXPONENT_MAX));
+        text = ahead.clone();
+    }
+    let size = size?;
+    Some((if sign == Some(b'-') { size.wrapping_neg() } else { size }, text))
+}
+
+/// The short way: where both the digits and the power of ten are floats, one operation rounds, and does it right.
+#[expect(clippy::cast_precision_loss, reason = "see above")]
+fn short(digits: impl Iterator<Item = u8>, count: i32, power: i32) -> Option<u32> {
+    const TENS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
+    if count > 7 {
+        return None;
+    }
+    let significand = digits.fold(0_u32, |sum, digit| sum.wrapping_mul(10).wrapping_add(digit.into()));
+    let ten = *TENS.get(usize::try_from(power.unsigned_abs()).ok()?)?;
+    if significand >= 1 << 24 {
+        return None;
+    }
+    let significand = significand as f32;
+    Some(if power < 0 { significand / ten } else { significand * ten }.to_bits())
+}
+
+/// The float that is nearest to these digits with a point behind the first `whole` ones, wherever that is.
+fn nearest(digits: impl Iterator<Item = u8>, whole: i32) -> Option<u32> {
+    let mut limbs = [0; LIMBS];
+    // Whether there is more than the limbs say: digits behind their last.
+    let mut more = false;
+    let mut place = FIRST_PLACE.wrapping_add(1).saturating_sub(whole);
+    for digit in digits {
+        if digit != 0 {
+            let Ok(at) = u32::try_from(place) else { return None };
+            match limbs.get_mut((at / PER_LIMB) as usize) {
+                Some(limb) => {
+                    let zeros = (PER_LIMB - 1).wrapping_sub(at % PER_LIMB);
+                    *limb = (0..zeros).fold(u32::from(digit), |unit, _| unit.wrapping_mul(10)).wrapping_add(*limb);
+                }
+                None => more = true,
+            }
+        }
+        place = place.saturating_add(1);
+    }
+
+    // Scaled so that the units are the significand's.
+    let mut exponent = 0_i32;
+    while whole_of(&limbs) >= 1 << 24 {
+        more |= halve(&mut limbs, 1);
+        exponent = exponent.wrapping_add(1);
+    }
+    // What the limbs lack is less than a unit of their last place, and halfway between two floats there is always
+    // a multiple of that: so it does not matter that it is not doubled.
+    while whole_of(&limbs) < 1 << 23 && exponent > -149 {
+        double(&mut limbs);
+        exponent = exponent.wrapping_sub(1);
+    }
+
+    let significand = whole_of(&limbs);
+    let half = BASE / 2;
+    let first = limbs.get(WHOLE).copied().unwrap_or_default();
+    let behind = more || limbs.iter().skip(WHOLE.wrapping_add(1)).any(|limb| *limb != 0);
+    let up = first > half || first == half && (behind || significand & 1 == 1);
+    // A significand that is rounded up to 2^24 carries into the exponent's bits, one below 2^23 leaves them 0.
+    let bits = exponent
+        .wrapping_add(149)
+        .cast_unsigned()
+        .wrapping_shl(23)
+        .wrapping_add(significand)
+        .wrapping_add(u32::from(up));
+    (bits < 0x7F80_0000).then_some(bits)
+}
+
+/// What stands before the point, or `u32::MAX` when that is more than a limb holds.
+fn whole_of(limbs: &[u32; LIMBS]) -> u32 {
+    match limbs.split_at(UNITS) {
+        (above, [units, ..]) if above.iter().all(|limb| *limb == 0) => *units,
+        _ => u32::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{nearest, read_float};
+    use proptest::prelude::*;
+    use std::string::{String, ToString};
+
+    /// The bits, and how many bytes were read.
+    fn read(text: &str) -> Option<(Option<u32>, usize)> {
+        read_float(text.bytes()).map(|(bits, rest)| (bits, text.len() - rest.len()))
+    }
+
+    /// Both ways, against the standard library.
+    fn check(text: &str) {
+        let value: f32 = text.parse().unwrap();
+        let expected = value.is_finite().then_some(value.to_bits());
+        assert_eq!(read(text), Some((expected, text.len())), "{text}");
+        if !text.contains(['e', 'E']) {
+            let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+            let digits = whole.bytes().chain(fraction.bytes()).map(|byte| byte - b'0');
+            let bits = nearest(digits, whole.len().try_into().unwrap());
+            assert_eq!(bits, expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn known_numbers() {
+        for text in [
+            "0",
+            "0.0",
+            "110.44",
+            "3343.73",
+            "1000.00",
+            ".5",
+            "1.",
+            "16777216",
+            "16777217",
+            "16777219",
+            "0.1",
+            "1e3",
+            "1E+3",
+            "1e-3",
+            "1e38",
+            "3.4028235e38",
+            "3.4028235677973366e38",
+            "3.4028235677973362e38",
+            "1e39",
+            "1e-45",
+            "7.006492321624085e-46",
+            "7.006492321624086e-46",
+            "1e-46",
+            "1e-400",
+            "0e999999999999",
+            "1.17549435e-38",
+            "1e99999999999999",
+            "33554435",
+            "33554437",
+            "9999999e10",
+            "9999999e-10",
+            "1e10",
+            "1e11",
+            "00000000001.5",
+        ] {
+            check(text);
+        }
+    }
+
+    #[test]
+    fn halfway_between_floats_the_last_digit_decides() {
+        for bits in [0_u32, 1, 2, 0x7F_FFFF, 0x80_0000, 0x3F80_0000, 0x3F80_0001, 0x4B7F_FFFF, 0x7F7F_FFFE] {
+            // The exact middle between this one and the next.
+            let middle = f64::midpoint(f32::from_bits(bits).into(), f32::from_bits(bits + 1).into());
+            let text = std::format!("{middle:.160}");
+            check(&text);
+            check(&std::format!("{text}{}1", "0".repeat(100)));
+            let below = text.trim_end_matches('0');
+            let last = below.chars().last().unwrap();
+            if last != '.' {
+                let last = char::from(u8::try_from(last).unwrap() - 1);
+                check(&std::format!("{}{last}{}", &below[..below.len() - 1], "9".repeat(120)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_behind_is_left() {
+        for (text, length) in [
+            ("1 ", 1),
+            ("1.5.", 3),
+            ("1e", 1),
+            ("1e+", 1),
+            ("1ex", 1),
+            ("2e5e", 3),
+            ("1-", 1),
+            ("1e 2", 4),
+            ("1e  2", 1),
+            ("1e ", 1),
+        ] {
+            assert_eq!(read(text).map(|(_, read)| read), Some(length), "{text}");
+        }
+        for text in ["", ".", "e5", ".e5", "-1", "nan", "inf", "x"] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_number(whole in "[0-9]{0,60}", fraction in "[0-9]{0,180}", exponent in -330..330_i32) {
+            let text = std::format!("0{whole}.{fraction}");
+            check(&text);
+            check(&std::format!("{text}e{exponent}"));
+        }
+
+        #[test]
+        fn any_float(bits in 0..0x7F80_0000_u32) {
+            let value = f32::from_bits(bits);
+            check(&value.to_string());
+            check(&std::format!("{value:e}"));
+            check(&std::format!("{value:.2}"));
+            let exact: String = std::format!("{value:.149}");
+            check(&exact);
+        }
+    }
+}

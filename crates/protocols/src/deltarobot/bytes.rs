@@ -1,0 +1,132 @@
+//! Summing and copying bytes, on hosts eight at a time.
+//!
+//! The standard copies become calls of memcpy, which the library does without (see the crate's `no_builtins`).
+
+use crate::config::FAST;
+
+/// Bytes taken at a time where there are so many, and where there are fewer.
+pub(super) const BLOCK: usize = 16;
+const WORD: usize = 8;
+const HALF: usize = 4;
+
+/// Adds the bytes to a sum modulo 256.
+#[inline(always)]
+pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
+    if FAST {
+        while bytes.len() > 2 * BLOCK
+            && let Some((blocks, rest)) = bytes.split_first_chunk::<{ 2 * BLOCK }>()
+        {
+            sum = blocks.iter().fold(sum, |sum, byte| sum.wrapping_add(*byte));
+            bytes = rest;
+        }
+        if bytes.len() > BLOCK {
+            return sum.wrapping_add(add_up_ends::<BLOCK>(bytes));
+        }
+        if bytes.len() >= WORD {
+            return sum.wrapping_add(add_up_ends::<WORD>(bytes));
+        }
+        if bytes.len() >= HALF {
+            return sum.wrapping_add(add_up_ends::<HALF>(bytes));
+        }
+    }
+    for byte in bytes {
+        sum = sum.wrapping_add(*byte);
+    }
+    sum
+}
+
+/// Sums N to twice N bytes: those at the beginning, and of those at the end the ones that are left. Processors do that
+/// without a loop.
+#[inline(always)]
+fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
+    const MASKS: [[u8; BLOCK]; 2] = [[0; BLOCK], [0xFF; BLOCK]];
+    let left = bytes.len().wrapping_sub(N);
+    let (Some(first), Some(last)) = (bytes.first_chunk::<N>(), bytes.last_chunk::<N>()) else { return 0 };
+    let Some(masks) = MASKS.as_flattened().get(BLOCK.wrapping_sub(N).wrapping_add(left)..) else { return 0 };
+    let Some(masks) = masks.first_chunk::<N>() else { return 0 };
+    let mut sum = 0_u8;
+    // A loop: of a fold the compiler may make a call.
+    for ((first, last), mask) in first.iter().zip(last).zip(masks) {
+        sum = sum.wrapping_add(*first).wrapping_add(last & mask);
+    }
+    sum
+}
+
+/// Copies as many items as both have. `item` makes a byte what `to` consists of.
+#[inline(always)]
+pub fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+    let length = from.len().min(to.len());
+    let (Some(mut from), Some(mut to)) = (from.get(..length), to.get_mut(..length)) else { return };
+    if FAST {
+        while from.len() > 2 * BLOCK {
+            let (Some((block, rest)), Some((place, places))) =
+                (from.split_first_chunk::<BLOCK>(), to.split_first_chunk_mut::<BLOCK>())
+            else {
+                return;
+            };
+            *place = block.map(item);
+            (from, to) = (rest, places);
+        }
+        if from.len() > BLOCK {
+            return copy_ends::<BLOCK, T>(from, to, item);
+        }
+        if from.len() >= WORD {
+            return copy_ends::<WORD, T>(from, to, item);
+        }
+        if from.len() >= HALF {
+            return copy_ends::<HALF, T>(from, to, item);
+        }
+    }
+    for (place, byte) in to.iter_mut().zip(from) {
+        *place = item(*byte);
+    }
+}
+
+/// Copies N to twice N bytes: the first and the last ones, of which some may be the same.
+#[inline(always)]
+fn copy_ends<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+    let (Some(first), Some(last)) = (from.first_chunk::<N>(), from.last_chunk::<N>()) else { return };
+    let (first, last) = (first.map(item), last.map(item));
+    if let Some(place) = to.first_chunk_mut::<N>() {
+        *place = first;
+    }
+    if let Some(place) = to.last_chunk_mut::<N>() {
+        *place = last;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::{add_up, copy};
+
+    fn some(length: usize) -> Vec<u8> {
+        (0..=u8::MAX).map(|place| place.wrapping_mul(167).wrapping_add(89)).take(length).collect()
+    }
+
+    #[test]
+    fn sums_are_those_of_one_byte_after_the_other() {
+        for length in 0..=255 {
+            let bytes = some(length);
+            let sum = bytes.iter().fold(200, |sum: u8, byte| sum.wrapping_add(*byte));
+            assert_eq!(add_up(200, &bytes), sum, "{length} bytes");
+        }
+        assert_eq!(add_up(0, &[0xFF; 255]), 1);
+    }
+
+    #[test]
+    fn as_many_bytes_are_copied_as_both_sides_have() {
+        for from in 0..=255 {
+            for to in [from, 0, 1, 7, 8, 9, 100, 255] {
+                let (source, mut copied, mut expected) = (some(from), vec![0; to], vec![0; to]);
+                for (place, byte) in expected.iter_mut().zip(&source) {
+                    *place = *byte;
+                }
+                copy(&source, &mut copied, |byte| byte);
+                assert_eq!(copied, expected, "{from} bytes to {to}");
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Numbers as bytes with the high bit set: seven bits each, the least significant group first (the proposal's
+//! `PackIntoCPPacked7`, `14` and `28`).
+
+use core::ops::RangeInclusive;
+
+/// The high bit, by which binary values differ from everything that is ASCII.
+pub const HIGH: u8 = 0x80;
+/// Positions that 28 bits hold, in steps.
+pub const POSITION_MIN: i32 = -(1 << 27);
+/// See [`POSITION_MIN`].
+pub const POSITION_MAX: i32 = (1 << 27) - 1;
+/// The least delta that 7 bits hold. It is decoded, but not written: the proposal speaks of 63 steps either way.
+pub const DELTA_MIN: i32 = -64;
+/// The largest delta, in steps.
+pub const DELTA_MAX: i32 = 63;
+/// The largest velocity, in steps per second: 14 bits.
+pub const VELOCITY_MAX: u16 = 0x3FFF;
+/// The largest command number: 14 bits.
+pub const NUMBER_MAX: u16 = 0x3FFF;
+/// The longest time between two position reports, in milliseconds: 14 bits.
+pub const PERIOD_MAX: u16 = 0x3FFF;
+/// The largest code of an error notice: 7 bits.
+pub const CODE_MAX: u8 = 0x7F;
+
+/// All positions.
+pub const POSITIONS: RangeInclusive<i32> = POSITION_MIN..=POSITION_MAX;
+/// The deltas that are written.
+pub const DELTAS: RangeInclusive<i32> = -DELTA_MAX..=DELTA_MAX;
+
+/// The lowest seven bits.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "that is what it does")]
+pub const fn low(value: u32) -> u8 {
+    value as u8 & !HIGH
+}
+
+/// One byte of a value: its lowest seven bits.
+#[inline(always)]
+pub const fn pack7(value: i32) -> u8 {
+    low(value.cast_unsigned()) | HIGH
+}
+
+/// Two bytes of a value of 14 bits.
+#[inline(always)]
+pub const fn pack14(value: u16) -> [u8; 2] {
+    let value = value as u32;
+    [low(value) | HIGH, low(value >> 7) | HIGH]
+}
+
+/// The four bytes of a position of 28 bits.
+#[inline(always)]
+pub const fn pack28(value: i32) -> [u8; 4] {
+    let value = value.cast_unsigned();
+    [low(value) | HIGH, low(value >> 7) | HIGH, low(value >> 14) | HIGH, low(value >> 21) | HIGH]
+}
+
+/// The bytes of a value as they arrive: the last one that came is the highest.
+#[inline(always)]
+pub const fn push(bytes: u32, byte: u8) -> u32 {
+    bytes >> 8 | (byte as u32) << 24
+}
+
+/// The high bits of the four bytes of a position.
+pub const FOUR_HIGH: u32 = 0x8080_8080;
+
+/// The groups of four bytes, the first one lowest, next to each other: 28 bits.
+#[inline(always)]
+pub const fn unpack28(bytes: u32) -> u32 {
+    let pairs = bytes & 0x007F_007F | bytes >> 1 & 0x3F80_3F80;
+    pairs & 0x3FFF | pairs >> 2 & 0x0FFF_C000
+}
+
+/// The signed value that the last group, or all four, make.
+#[inline(always)]
+pub const fn signed(groups: u32, is_delta: bool) -> i32 {
+    let top = (groups << 4).cast_signed();
+    if is_delta { top >> 25 } else { top >> 4 }
+}
+
+/// The value of 14 bits that the last two groups make.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "14 bits")]
+pub const fn unsigned14(groups: u32) -> u16 {
+    (groups >> 14) as u16 & VELOCITY_MAX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unpack(bytes: &[u8]) -> u32 {
+        unpack28(bytes.iter().fold(0, |bytes, byte| push(bytes, *byte)))
+    }
+
+    #[test]
+    fn the_vectors_of_the_long_form() {
+        for (value, bytes) in [
+            (1000, [0xE8, 0x87, 0x80, 0x80]),
+            (-1000, [0x98, 0xF8, 0xFF, 0xFF]),
+            (0, [0x80; 4]),
+            (-1, [0xFF; 4]),
+            (POSITION_MAX, [0xFF, 0xFF, 0xFF, 0xBF]),
+            (POSITION_MIN, [0x80, 0x80, 0x80, 0xC0]),
+            (2_097_152, [0x80, 0x80, 0x80, 0x81]),
+        ] {
+            assert_eq!(pack28(value), bytes, "{value}");
+            assert_eq!(signed(unpack(&bytes), false), value);
+        }
+    }
+
+    #[test]
+    fn every_delta_and_every_velocity() {
+        for delta in DELTA_MIN..=DELTA_MAX {
+            assert_eq!(signed(unpack(&[pack7(delta)]), true), delta);
+        }
+        for velocity in 0..=VELOCITY_MAX {
+            assert_eq!(unsigned14(unpack(&pack14(velocity))), velocity);
+        }
+        assert_eq!(pack14(1000), [0xE8, 0x87]);
+    }
+}

@@ -1,0 +1,30 @@
+//! Three serial protocols of motion control, for either end of the line: the deltarobot message format, the Ozeki line
+//! protocol, and GX binary vectors.
+//!
+//! Nothing allocates, blocks or does I/O, and nothing keeps state of its own.
+#![no_std]
+#![forbid(unsafe_code)]
+// The C ABI that is built of this links no memcpy: without this the compiler would turn copy loops into calls of it.
+#![no_builtins]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::arithmetic_side_effects,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used,
+        reason = "a test that can't go on fails"
+    )
+)]
+#![allow(missing_docs, unreachable_pub)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod clock;
+pub mod config;
+pub mod counter;
+pub mod decimal;
+pub mod deltarobot;
+pub mod gx;
+pub mod line;

@@ -1,0 +1,365 @@
+//! Building lines, parameter by parameter.
+//!
+//! What is sent is strict (page "Ozeki Line Protocol", section "Rules"): names are of `[a-z0-9]`, values encoded, and a
+//! command is no longer than the serial buffer of the device that it is for.
+
+mod integer;
+
+use core::ffi::c_long;
+
+use super::checksum::fletcher16;
+use super::message::Params;
+use crate::decimal;
+
+/// Bytes of the longest line that a PC sends, with its checksum and its end.
+pub const COMMAND_MAX: usize = 64;
+
+/// Most decimals that a float can be written with.
+pub const DECIMALS_MAX: u8 = decimal::DECIMALS_MAX;
+
+/// The bits that infinities and NaNs have in common.
+const INFINITE: u32 = 0x7F80_0000;
+
+/// Why a line can't be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EncodeError {
+    /// A command's name is empty or has bytes that are not of `[a-z0-9_]`, or a parameter's not of `[a-z0-9]`.
+    Name,
+    /// What was said to be encoded is not.
+    Malformed,
+    /// A float is not finite, or is to have too many decimals.
+    Range,
+    /// The line is longer than may be sent, or than there is room.
+    TooLong,
+}
+
+/// A line that is being built in a buffer.
+///
+/// Each call adds a parameter. After the first that fails nothing is added any more, and [`finish`](Self::finish) tells
+/// why.
+#[derive(Debug)]
+pub struct Encoder<'a> {
+    room: &'a mut [u8],
+    length: usize,
+    error: Option<EncodeError>,
+}
+
+impl<'a> Encoder<'a> {
+    /// Begins a line which may be as long as the buffer, its end included: what a device sends.
+    #[must_use]
+    #[inline(always)]
+    pub fn begin(room: &'a mut [u8], command: &[u8]) -> Self {
+        let mut encoder = Self { room, length: 0, error: None };
+        encoder.start(command);
+        encoder
+    }
+
+    fn start(&mut self, command: &[u8]) {
+        if command.is_empty() || !command.iter().all(|byte| is_of_name(*byte) || *byte == b'_') {
+            self.fail(EncodeError::Name);
+        }
+        self.put_all(b"c=");
+        self.put_all(command);
+    }
+
+    /// Begins a line which may have [`COMMAND_MAX`] bytes, its end included, if the buffer has them: what a PC sends.
+    #[must_use]
+    pub fn command(room: &'a mut [u8], command: &[u8]) -> Self {
+        let limit = room.len().min(COMMAND_MAX);
+        Self::begin(room.get_mut(..limit).unwrap_or_default(), command)
+    }
+
+    /// Goes on with a line of which so many bytes are in the buffer.
+    pub fn resume(room: &'a mut [u8], length: usize) -> Self {
+        let mut encoder = Self { room, length, error: None };
+        if length > encoder.room.len() {
+            encoder.fail(EncodeError::TooLong);
+        }
+        encoder
+    }
+
+    /// Number of bytes so far.
+    #[must_use]
+    pub const fn length(&self) -> usize {
+        self.length
+    }
+
+    /// What went wrong so far.
+    #[must_use]
+    pub const fn error(&self) -> Option<EncodeError> {
+        self.error
+    }
+
+    /// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
+    pub fn text(&mut self, name: &[u8], text: &[u8]) -> &mut Self {
+        self.name(name);
+        for byte in text {
+            if byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-') {
+                self.put(*byte);
+            } else {
+                self.put(b'%');
+                self.put(digit(byte >> 4, b'A'));
+                self.put(digit(byte & 0xF, b'A'));
+            }
+        }
+        self
+    }
+
+    /// Adds a value that is encoded already, such as one of a received line.
+    ///
+    /// Fails when a line with it would not be read as it was meant: `&`, LF or CR in it, or a `%` without its digits.
+    pub fn raw(&mut self, name: &[u8], value: &[u8]) -> &mut Self {
+        self.name(name);
+        let mut rest = value;
+        while let Some((byte, behind)) = rest.split_first() {
+            let digits = matches!(behind, [high, low, ..] if high.is_ascii_hexdigit() && low.is_ascii_hexdigit());
+            if matches!(byte, b'&' | b'\n' | b'\r') || *byte == b'%' && !digits {
+                self.fail(EncodeError::Malformed);
+            }
+            rest = behind;
+        }
+        self.put_all(value);
+        self
+    }
+
+    /// Adds parameters that are encoded already, such as `x=10&y=-3.50`: one by one, as [`raw`](Self::raw) does.
+    pub fn append(&mut self, params: &[u8]) -> &mut Self {
+        for param in Params::of(params) {
+            self.raw(param.name, param.value.raw());
+        }
+        self
+    }
+
+    /// Adds an integer.
+    pub fn int(&mut self, name: &[u8], value: c_long) -> &mut Self {
+        self.name(name);
+        if value < 0 {
+            self.put(b'-');
+        }
+        self.put_integer(value.unsigned_abs());
+        self
+    }
+
+    /// Adds a float as `printf("%.*f")` writes it: with 0 to [`DECIMALS_MAX`] decimals, rounded to the nearest number
+    /// that has so many; a tie goes to the even digit.
+    pub fn float(&mut self, name: &[u8], value: f32, decimals: u8) -> &mut Self {
+        self.name(name);
+        if value.to_bits() & INFINITE == INFINITE || decimals > DECIMALS_MAX {
+            self.fail(EncodeError::Range);
+            return self;
+        }
+        decimal::write_fixed(value.to_bits(), decimals, &mut |byte| self.put(byte));
+        self
+    }
+
+    /// Adds four hexadecimal digits in lower case: a checksum.
+    pub fn hex(&mut self, name: &[u8], value: u16) -> &mut Self {
+        self.name(name);
+        self.put_hex(value);
+        self
+    }
+
+    /// Ends the line, with its checksum if wanted, and tells the length of the whole.
+    ///
+    /// # Errors
+    ///
+    /// The first error there was. The buffer's first byte is then 0.
+    pub fn finish(&mut self, checksum: bool) -> Result<usize, EncodeError> {
+        if checksum {
+            let sum = fletcher16(self.room.get(..self.length).unwrap_or_default());
+            self.put_all(b"&s=");
+            self.put_hex(sum);
+        }
+        self.put(b'\n');
+        match self.error {
+            Some(error) => Err(error),
+            None => Ok(self.length),
+        }
+    }
+
+    fn name(&mut self, name: &[u8]) {
+        if name.is_empty() || !name.iter().all(|byte| is_of_name(*byte)) {
+            self.fail(EncodeError::Name);
+        }
+        self.put(b'&');
+        self.put_all(name);
+        self.put(b'=');
+    }
+
+    fn put_hex(&mut self, value: u16) {
+        for byte in value.to_be_bytes() {
+            self.put(digit(byte >> 4, b'a'));
+            self.put(digit(byte & 0xF, b'a'));
+        }
+    }
+
+    pub(super) fn put_all(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.put(*byte);
+        }
+    }
+
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    fn put(&mut self, byte: u8) {
+        if self.error.is_some() {
+            return;
+        }
+        match self.room.get_mut(self.length) {
+            Some(place) => {
+                *place = byte;
+                self.length = self.length.wrapping_add(1);
+            }
+            None => self.fail(EncodeError::TooLong),
+        }
+    }
+
+    fn fail(&mut self, error: EncodeError) {
+        self.error = self.error.or(Some(error));
+        // Nothing that could be sent by mistake.
+        self.length = 0;
+        if let Some(first) = self.room.first_mut() {
+            *first = 0;
+        }
+    }
+}
+
+const fn is_of_name(byte: u8) -> bool {
+    matches!(byte, b'a'..=b'z' | b'0'..=b'9')
+}
+
+/// The hexadecimal digit of 0 to 15; `ten` is the one of 10.
+const fn digit(value: u8, ten: u8) -> u8 {
+    if value < 10 { b'0'.wrapping_add(value) } else { ten.wrapping_add(value).wrapping_sub(10) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMMAND_MAX, EncodeError, Encoder};
+    use crate::line::{Checksum, Message};
+    use core::ffi::c_long;
+    use proptest::prelude::*;
+    use std::string::String;
+    use std::vec::Vec;
+
+    /// The line that is built in a buffer of 256 bytes.
+    fn built(
+        build: impl for<'l, 'a> FnOnce(&'l mut Encoder<'a>) -> &'l mut Encoder<'a>,
+        checksum: bool,
+    ) -> Result<String, EncodeError> {
+        let mut room = [0; 256];
+        let mut encoder = Encoder::begin(&mut room, b"x");
+        build(&mut encoder);
+        let length = encoder.finish(checksum)?;
+        Ok(String::from_utf8(room[..length].to_vec()).unwrap())
+    }
+
+    #[test]
+    fn lines() {
+        let line = built(
+            |line| {
+                line.text(b"name", b"St\xC3\xA9p 1&=%+")
+                    .int(b"t", 255)
+                    .float(b"temp", 110.44, 2)
+                    .hex(b"checksum", 0xd29)
+            },
+            false,
+        );
+        assert_eq!(line.unwrap(), "c=x&name=St%C3%A9p%201%26%3D%25%2B&t=255&temp=110.44&checksum=0d29\n");
+        let line = built(|line| line.append(b"&a=1&&b=%2f&c").raw(b"d", b"x=y z"), true);
+        assert_eq!(line.unwrap(), "c=x&a=1&b=%2f&c=&d=x=y z&s=13ea\n");
+    }
+
+    #[test]
+    fn integers() {
+        for value in [0, 1, 9, 10, 99, 100, -1, -10, 2_147_483_647, -2_147_483_648, c_long::MAX, c_long::MIN] {
+            let line = built(|line| line.int(b"v", value), false).unwrap();
+            assert_eq!(line, std::format!("c=x&v={value}\n"));
+        }
+    }
+
+    #[test]
+    fn what_is_refused() {
+        for name in ["", "A", "a_b", "a b", "a=", "\u{e9}"] {
+            assert_eq!(built(|line| line.int(name.as_bytes(), 1), false), Err(EncodeError::Name), "{name}");
+        }
+        for params in ["A", "x=1&a_b=2", "x=1&=2", "x=%", "x=1\ny=2"] {
+            assert!(built(|line| line.append(params.as_bytes()), false).is_err(), "{params}");
+        }
+        for value in ["&", "\n", "\r", "%", "%1", "%g0", "a%0", "x%4\n"] {
+            assert_eq!(built(|line| line.raw(b"v", value.as_bytes()), false), Err(EncodeError::Malformed), "{value:?}");
+        }
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(built(|line| line.float(b"v", value, 2), false), Err(EncodeError::Range));
+        }
+        assert_eq!(built(|line| line.float(b"v", 1.0, 10), false), Err(EncodeError::Range));
+        let mut room = [0; 64];
+        for command in ["", "Go", "go!", "a&b"] {
+            assert_eq!(Encoder::begin(&mut room, command.as_bytes()).finish(true), Err(EncodeError::Name), "{command}");
+        }
+        assert_eq!(Encoder::begin(&mut room, b"setpushinfo_resp").finish(false), Ok(19));
+    }
+
+    #[test]
+    fn the_first_error_stays() {
+        let mut room = [0; 16];
+        let mut encoder = Encoder::begin(&mut room, b"go");
+        encoder.int(b"X", 1).float(b"y", f32::NAN, 1).text(b"z", &[0; 100]);
+        assert_eq!(encoder.error(), Some(EncodeError::Name));
+        assert_eq!(encoder.finish(true), Err(EncodeError::Name));
+    }
+
+    #[test]
+    fn commands_have_64_bytes() {
+        let mut room = [0; 200];
+        let mut six_axes = |checksum| {
+            let mut line = Encoder::command(&mut room, b"go");
+            line.append(b"x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1").int(b"t", 0).text(b"id", b"IqlZci");
+            line.finish(checksum)
+        };
+        assert_eq!((six_axes(false), six_axes(true)), (Ok(63), Err(EncodeError::TooLong)));
+        for length in 55..70 {
+            let mut line = Encoder::command(&mut room, b"x");
+            line.text(b"y", &[b'y'; 100][..length - 7]);
+            let fits = length <= COMMAND_MAX;
+            assert_eq!(line.finish(false), if fits { Ok(length) } else { Err(EncodeError::TooLong) });
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_built_is_read(
+            text in prop::collection::vec(any::<u8>(), 0..60),
+            int: c_long,
+            float in -1e6..1e6_f32,
+            hex: u16,
+            checksum: bool,
+        ) {
+            let line = built(
+                |line| line.text(b"a", &text).int(b"b", int).float(b"d", float, 9).hex(b"e", hex),
+                checksum,
+            )
+            .unwrap();
+            let message = Message::parse(line.as_bytes()).unwrap();
+            prop_assert_eq!(message.checksum(), if checksum { Checksum::Right } else { Checksum::None });
+            prop_assert!(message.get(b"a").unwrap().is(&text));
+            prop_assert_eq!(message.get(b"a").unwrap().bytes().collect::<Vec<_>>(), text);
+            prop_assert_eq!(message.get(b"b").unwrap().int(), Ok(int));
+            prop_assert!((message.get(b"d").unwrap().float().unwrap() - float).abs() <= 1e-9);
+            prop_assert_eq!(message.get(b"e").unwrap().hex(), Some(hex));
+        }
+
+        #[test]
+        fn no_room_is_overrun(room in 0..40_usize, text: Vec<u8>, append: Vec<u8>, checksum: bool) {
+            let mut room = std::vec![0; room];
+            let size = room.len();
+            let mut line = Encoder::begin(&mut room, b"go");
+            match line.text(b"a", &text).append(&append).finish(checksum) {
+                Ok(length) => {
+                    prop_assert!(length <= size);
+                    prop_assert!(Message::parse(&room[..length]).is_ok());
+                }
+                Err(error) => prop_assert!(error == EncodeError::TooLong || !append.is_empty()),
+            }
+        }
+    }
+}

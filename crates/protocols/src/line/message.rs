@@ -1,0 +1,348 @@
+//! A line as a list of parameters: `c=<command>&name=value&name=value` (page "Ozeki Line Protocol", section "Rules").
+//!
+//! What is received is judged leniently: names may consist of any bytes, a parameter may lack its `=`, an empty piece
+//! between two `&` is no parameter. The command's own name is a value like any other.
+
+use super::checksum::fletcher16;
+use super::value::{Value, hex};
+use crate::config::FAST;
+
+/// A line that can be read, seen where it lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Message<'a> {
+    line: &'a [u8],
+    count: usize,
+    sum: u16,
+    checksum: Checksum,
+}
+
+/// What a line says about its own intactness: by a parameter `s` at its end (section "Link Setup command").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Checksum {
+    /// Nothing.
+    #[default]
+    None,
+    /// It is what it was.
+    Right,
+    /// It is not: the last parameter is an `s` that is not the four hexadecimal digits of the sum.
+    Wrong,
+}
+
+/// Why a line can't be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Malformed {
+    /// The first parameter is not `c`, or there is none.
+    Command,
+    /// A `%` without two hexadecimal digits behind it.
+    Escape,
+    /// A line feed which is not at the end.
+    LineFeed,
+}
+
+/// A parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Param<'a> {
+    /// Its name as received.
+    pub name: &'a [u8],
+    /// Its value; empty when it lacks the `=`.
+    pub value: Value<'a>,
+}
+
+impl<'a> Message<'a> {
+    /// Reads a line, with or without its end (LF or CR LF).
+    ///
+    /// # Errors
+    ///
+    /// When it can't be read: see [`Malformed`]. A wrong checksum is no such error: see [`checksum`](Self::checksum).
+    #[inline]
+    pub fn parse(line: &'a [u8]) -> Result<Self, Malformed> {
+        let line = without_end(line);
+        if !matches!(line, [b'c'] | [b'c', b'=' | b'&', ..]) {
+            return Err(Malformed::Command);
+        }
+
+        let mut count = 0_usize;
+        // Where the last parameter begins.
+        let mut last = 0_usize;
+        let mut ahead = line;
+        while let Some((byte, behind)) = next_special(ahead) {
+            let at = line.len().wrapping_sub(behind.len()).wrapping_sub(1);
+            match byte {
+                b'&' => {
+                    count = count.wrapping_add(usize::from(at > last));
+                    last = at.wrapping_add(1);
+                }
+                b'%' if !matches!(behind, [high, low, ..] if high.is_ascii_hexdigit() && low.is_ascii_hexdigit()) => {
+                    return Err(Malformed::Escape);
+                }
+                b'\n' => return Err(Malformed::LineFeed),
+                _ => (),
+            }
+            ahead = behind;
+        }
+        count = count.wrapping_add(usize::from(line.len() > last));
+
+        let told = match line.get(last..) {
+            Some([b's', b'=', value @ ..]) => Some(hex(value)),
+            Some([b's']) => Some(None),
+            _ => None,
+        };
+        let summed = if told.is_some() { line.get(..last.wrapping_sub(1)).unwrap_or_default() } else { line };
+        let sum = fletcher16(summed);
+        let checksum = match told {
+            None => Checksum::None,
+            Some(told) if told == Some(sum) => Checksum::Right,
+            Some(_) => Checksum::Wrong,
+        };
+        Ok(Self { line, count, sum, checksum })
+    }
+
+    /// The line without its end.
+    #[must_use]
+    pub const fn line(&self) -> &'a [u8] {
+        self.line
+    }
+
+    /// What the line is about: the value of the first parameter. It may be empty.
+    #[must_use]
+    pub fn command(&self) -> Value<'a> {
+        self.params().next().map(|param| param.value).unwrap_or_default()
+    }
+
+    /// Number of parameters, the command and a checksum among them: 1 at least.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    pub const fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The Fletcher-16 of the line, up to the `&s=` if it has a checksum: what an ack of it repeats.
+    #[must_use]
+    pub const fn sum(&self) -> u16 {
+        self.sum
+    }
+
+    /// Whether the line has a checksum, and the right one.
+    #[must_use]
+    pub const fn checksum(&self) -> Checksum {
+        self.checksum
+    }
+
+    /// The parameters in their order, the command first, a checksum last.
+    #[must_use]
+    pub const fn params(&self) -> Params<'a> {
+        Params::of(self.line)
+    }
+
+    /// The parameter at a place; 0 is the command.
+    #[must_use]
+    pub fn param(&self, index: usize) -> Option<Param<'a>> {
+        self.params().nth(index)
+    }
+
+    /// The parameter of a name, or, as names repeat, the one that has `occurrence` others of that name before it. The
+    /// command is the first `c`.
+    #[must_use]
+    pub fn find(&self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
+        self.params().find_named(name, occurrence)
+    }
+
+    /// The value of the first parameter of a name.
+    #[must_use]
+    pub fn get(&self, name: &[u8]) -> Option<Value<'a>> {
+        self.find(name, 0).map(|param| param.value)
+    }
+}
+
+/// The parameters of a line, in their order.
+#[derive(Clone, Debug)]
+pub struct Params<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Params<'a> {
+    /// Those of a line without its end.
+    pub const fn of(line: &'a [u8]) -> Self {
+        Self { rest: line }
+    }
+
+    /// See [`Message::find`].
+    pub fn find_named(mut self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
+        let mut before = occurrence;
+        self.find(|param| {
+            if !same(param.name, name) {
+                return false;
+            }
+            let found = before == 0;
+            before = before.wrapping_sub(1);
+            found
+        })
+    }
+}
+
+impl<'a> Iterator for Params<'a> {
+    type Item = Param<'a>;
+
+    fn next(&mut self) -> Option<Param<'a>> {
+        while !self.rest.is_empty() {
+            let (piece, rest) = split(self.rest, b'&');
+            self.rest = rest;
+            if !piece.is_empty() {
+                let (name, value) = split(piece, b'=');
+                return Some(Param { name, value: Value::new(value) });
+            }
+        }
+        None
+    }
+}
+
+/// The first byte that may mean something in a line as such, and what is behind it. Of these, '&' is the highest: one
+/// comparison tells most others.
+#[inline(always)]
+fn next_special(line: &[u8]) -> Option<(u8, &[u8])> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    // What makes the highest bit of a byte above '&' come out.
+    const HIGHER: u64 = 0x5959_5959_5959_5959;
+    let mut rest = line;
+    if FAST {
+        while let Some((word, behind)) = rest.split_first_chunk() {
+            let word = u64::from_le_bytes(*word);
+            // The highest bit of each byte: of the sum, whether its other bits make it higher than '&'.
+            let sum = (word & (0x7F * ONES)).wrapping_add(HIGHER);
+            let low = !(word | sum) & (0x80 * ONES);
+            if low != 0 {
+                rest = rest.get(low.trailing_zeros() as usize / 8..).unwrap_or_default();
+                break;
+            }
+            rest = behind;
+        }
+    }
+    let place = rest.iter().position(|byte| *byte <= b'&')?;
+    let (byte, behind) = rest.get(place..)?.split_first()?;
+    Some((*byte, behind))
+}
+
+/// What stands before and behind the first of these bytes.
+fn split(bytes: &[u8], at: u8) -> (&[u8], &[u8]) {
+    let place = bytes.iter().position(|byte| *byte == at).unwrap_or(bytes.len());
+    (bytes.get(..place).unwrap_or_default(), bytes.get(place.wrapping_add(1)..).unwrap_or_default())
+}
+
+/// Whether some bytes are equal; not by a call of memcmp.
+pub(super) fn same(one: &[u8], other: &[u8]) -> bool {
+    one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one == other)
+}
+
+/// A line without the LF or CR LF it may end with.
+pub(super) const fn without_end(line: &[u8]) -> &[u8] {
+    let ([line @ .., b'\r', b'\n'] | [line @ .., b'\n'] | line) = line;
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Checksum, Malformed, Message};
+    use std::string::String;
+    use std::vec;
+    use std::vec::Vec;
+
+    fn parse(line: &[u8]) -> Message<'_> {
+        Message::parse(line).unwrap_or_else(|error| panic!("{error:?}: {line:?}"))
+    }
+
+    fn pairs(line: &str) -> Vec<(String, String)> {
+        let message = parse(line.as_bytes());
+        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+        let pairs: Vec<_> = message.params().map(|param| (text(param.name), text(param.value.raw()))).collect();
+        assert_eq!(pairs.len(), message.len(), "{line}");
+        pairs
+    }
+
+    fn owned(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
+        pairs.iter().map(|(name, value)| (String::from(*name), String::from(*value))).collect()
+    }
+
+    #[test]
+    fn names_repeat() {
+        let line = b"c=go&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1&t=0&id=IqlZci";
+        let message = parse(line);
+        assert_eq!(message.len(), 11);
+        assert_eq!(message.command().raw(), b"go");
+        assert_eq!(message.find(b"c", 0).unwrap().value.raw(), b"go");
+        assert_eq!(message.find(b"c", 1).unwrap().value.raw(), b"50");
+        assert_eq!(message.find(b"c", 2), None);
+        assert_eq!(message.find(b"id", 0), message.param(10));
+        assert_eq!(message.param(11), None);
+    }
+
+    #[test]
+    fn odd_lines_that_are_read() {
+        for (line, expected) in [
+            ("c", &[("c", "")][..]),
+            ("c=", &[("c", "")]),
+            ("c&x", &[("c", ""), ("x", "")]),
+            ("c=go&&&x=1&", &[("c", "go"), ("x", "1")]),
+            ("c=go&=5&=", &[("c", "go"), ("", "5"), ("", "")]),
+            ("c=go&a=b=c", &[("c", "go"), ("a", "b=c")]),
+            ("c=onerror&p=Buffer overflow", &[("c", "onerror"), ("p", "Buffer overflow")]),
+            ("c=x&Some_Name=!\0\r", &[("c", "x"), ("Some_Name", "!\0\r")]),
+        ] {
+            assert_eq!(pairs(line), owned(expected), "{line}");
+            assert_eq!(parse(line.as_bytes()).checksum(), Checksum::None);
+        }
+        for end in [&b"\n"[..], b"\r\n"] {
+            assert_eq!(parse(&[b"c=x&y=%0a", end].concat()).line(), b"c=x&y=%0a");
+        }
+    }
+
+    #[test]
+    fn lines_that_are_not() {
+        for line in ["", "\n", "\r\n", "x=1", "C=go", "cc=go", "&c=go", "=c", "id=1&c=go"] {
+            assert_eq!(Message::parse(line.as_bytes()), Err(Malformed::Command), "{line:?}");
+        }
+        for line in ["c=%", "c=%4", "c=go&x=%4&y=1", "c=go&x=%0g", "c=go&x=%\n", "c=go&%x=1", "c=%%41"] {
+            assert_eq!(Message::parse(line.as_bytes()), Err(Malformed::Escape), "{line:?}");
+        }
+        for line in ["c=go\nc=go", "c=go\n\n", "c=go\n\r\n"] {
+            assert_eq!(Message::parse(line.as_bytes()), Err(Malformed::LineFeed), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn checksums() {
+        for (line, checksum, sum) in [
+            ("c=setswitch&state=1&t=11&id=9o5qzg", Checksum::None, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6", Checksum::Right, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=A3d6\r\n", Checksum::Right, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d7", Checksum::Wrong, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d", Checksum::Wrong, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=0a3d6", Checksum::Wrong, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=%613d6", Checksum::Wrong, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s=", Checksum::Wrong, 0xa3d6),
+            ("c=setswitch&state=1&t=11&id=9o5qzg&s", Checksum::Wrong, 0xa3d6),
+        ] {
+            let message = parse(line.as_bytes());
+            assert_eq!((message.checksum(), message.sum()), (checksum, sum), "{line}");
+        }
+        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x"] {
+            let message = parse(line.as_bytes());
+            assert_eq!(
+                (message.checksum(), message.sum()),
+                (Checksum::None, super::super::fletcher16(line.as_bytes()))
+            );
+        }
+    }
+
+    #[test]
+    fn lines_of_any_length() {
+        for length in [4094, 4095, 4096, 4097, 12_288, 12_289, 20_000] {
+            let mut line = vec![b'c', b'='];
+            line.resize(length, 0xFE);
+            let sum = super::super::fletcher16(&line);
+            line.extend(std::format!("&s={sum:04x}").bytes());
+            let message = parse(&line);
+            assert_eq!((message.checksum(), message.len()), (Checksum::Right, 2));
+            assert_eq!(message.command().raw().len(), length - 2);
+        }
+    }
+}

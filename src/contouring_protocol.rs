@@ -1,0 +1,225 @@
+//! `ContouringProtocol.h`: the functions that came with the proposal, under their names ("Proposed GX Protocol",
+//! `ContouringProtocol.h` and `.c`).
+//!
+//! What they do otherwise than the code that was posted is said at each of them.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::c_int;
+use core::mem::{align_of, offset_of, size_of};
+
+use deltarobot_protocols::gx::{
+    CommandReceiver, EncodeError, Format, Item, MASK_AXES, Message, Vector, write_move, write_step,
+};
+
+/// A value of 7 bits: one byte with the high bit set.
+pub type CPPacked7 = [u8; 1];
+/// A value of 14 bits: two of them, the less significant first.
+pub type CPPacked14 = [u8; 2];
+/// A value of 28 bits: four of them, the least significant first.
+pub type CPPacked28 = [u8; 4];
+
+/// Done. The numbers of these codes are those of `GX_RC_*` in libdeltarobot/gx.h.
+#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
+pub const CPResult_ok: c_int = 0;
+/// A pointer is NULL, or the mask is empty.
+#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
+pub const CPResult_error: c_int = 1;
+/// The buffer does not hold what it should: start byte, mask, high bits and length are looked at.
+#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
+pub const CPResult_malformed: c_int = 8;
+/// A value does not fit, or the mask has bits that mean nothing.
+#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
+pub const CPResult_range: c_int = 10;
+
+/// A vector move.
+#[expect(non_snake_case, reason = "the names are as posted")]
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct CPVectorCommand {
+    /// The feed rate along the vector, in steps per second: 0 to 16383.
+    pub targetVelocity: u16,
+    /// Which of the values are valid: `CPMask_*`.
+    pub axisMask: u8,
+    /// x, y, z, a, b, c in steps: -134217728 to 134217727.
+    ///
+    /// With PackCPShortVectorCommand, and there only, these are deltas.
+    pub axisPosition: [i32; 6],
+}
+
+/// A packed vector move.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct CPPackedVectorCommandBuffer {
+    /// How many of the bytes there are: 3 to 28, or 0 when packing failed.
+    pub length: u8,
+    /// The bytes, as they are sent.
+    pub bytes: [u8; 28],
+}
+
+const _: () = {
+    assert!(offset_of!(CPVectorCommand, targetVelocity) == 0 && offset_of!(CPVectorCommand, axisMask) == 2);
+    assert!(offset_of!(CPVectorCommand, axisPosition) == if align_of::<i32>() == 1 { 3 } else { 4 });
+    assert!(size_of::<CPVectorCommand>() == if align_of::<i32>() == 1 { 27 } else { 28 });
+    assert!(size_of::<CPPackedVectorCommandBuffer>() == 29);
+    assert!(offset_of!(CPPackedVectorCommandBuffer, bytes) == 1);
+    // The same struct by other names.
+    assert!(size_of::<CPVectorCommand>() == size_of::<Vector>());
+    assert!(align_of::<CPVectorCommand>() == align_of::<Vector>());
+    assert!(offset_of!(CPVectorCommand, targetVelocity) == offset_of!(Vector, velocity));
+    assert!(offset_of!(CPVectorCommand, axisMask) == offset_of!(Vector, mask));
+    assert!(offset_of!(CPVectorCommand, axisPosition) == offset_of!(Vector, axes));
+};
+
+/// Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at.
+///
+/// The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
+///
+/// Returns 0; or, the buffer's length being 0 then, `CPResult_range` when a flagged value or the mask does not fit,
+/// `CPResult_error` when the mask is empty or a pointer is NULL.
+///
+/// ```c
+/// CPVectorCommand command = {500, CPMask_x | CPMask_velocity, {1000, 0, 0, 0, 0, 0}};
+/// CPPackedVectorCommandBuffer buffer;
+/// if (PackCPVectorCommand(&buffer, &command) == CPResult_ok)
+///     uart_write(&uart, buffer.bytes, buffer.length);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn PackCPVectorCommand(
+    buffer: *mut CPPackedVectorCommandBuffer,
+    command: *mut CPVectorCommand,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { pack(buffer, command, |vector, room| write_move(Format::Binary, None, vector, room)) }
+}
+
+/// Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too.
+///
+/// The posted code got positions from 2097152 and below 0 wrong, and took any bytes for a command.
+///
+/// Returns 0; or, the command left as it was, `CPResult_malformed` when the buffer does not hold a long form and
+/// nothing else, `CPResult_error` when a pointer is NULL.
+///
+/// ```c
+/// CPVectorCommand command;
+/// if (UnpackCPVectorCommand(&buffer, &command) == CPResult_ok && (command.axisMask & CPMask_x) != 0)
+///     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn UnpackCPVectorCommand(
+    buffer: *mut CPPackedVectorCommandBuffer,
+    command: *mut CPVectorCommand,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { unpack(buffer, command, false) }
+}
+
+/// Packs a vector of deltas: the short form. axisPosition holds how far each axis shall go on, -63 to 63 steps, not
+/// where to.
+///
+/// The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
+///
+/// Returns what PackCPVectorCommand does.
+///
+/// ```c
+/// CPVectorCommand deltas = {0, CPMask_x | CPMask_y, {10, -10, 0, 0, 0, 0}};
+/// if (PackCPShortVectorCommand(&buffer, &deltas) == CPResult_ok)
+///     uart_write(&uart, buffer.bytes, buffer.length);
+/// ```
+///
+/// # Safety
+///
+/// As for PackCPVectorCommand.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn PackCPShortVectorCommand(
+    buffer: *mut CPPackedVectorCommandBuffer,
+    command: *mut CPVectorCommand,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { pack(buffer, command, |vector, room| write_step(None, vector, room)) }
+}
+
+/// Unpacks a vector of deltas, the short form, and adds them to the positions: axisPosition holds where the axes are
+/// before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too.
+///
+/// The posted code took any bytes for a command, and let the sum overflow.
+///
+/// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
+/// `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
+/// NULL.
+///
+/// ```c
+/// if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
+///     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. command's positions are set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn UnpackCPShortVectorCommand(
+    buffer: *mut CPPackedVectorCommandBuffer,
+    command: *mut CPVectorCommand,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { unpack(buffer, command, true) }
+}
+
+/// Packs a command by a function of the core's.
+///
+/// # Safety
+///
+/// As for [`PackCPVectorCommand`].
+unsafe fn pack(
+    buffer: *mut CPPackedVectorCommandBuffer,
+    command: *const CPVectorCommand,
+    write: impl FnOnce(&Vector, &mut [u8]) -> Result<usize, EncodeError>,
+) -> c_int {
+    // SAFETY: as the contract of this function asks; a vector is the same struct: asserted above.
+    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.cast::<Vector>().as_ref()) }) else {
+        return CPResult_error;
+    };
+    buffer.length = 0;
+    let Some(command) = command else { return CPResult_error };
+    match write(command, &mut buffer.bytes).map(u8::try_from) {
+        Ok(Ok(length)) => buffer.length = length,
+        Err(EncodeError::Empty) => return CPResult_error,
+        Ok(Err(_)) | Err(_) => return CPResult_range,
+    }
+    CPResult_ok
+}
+
+/// Unpacks a command of one form.
+///
+/// # Safety
+///
+/// As for [`UnpackCPVectorCommand`].
+unsafe fn unpack(buffer: *const CPPackedVectorCommandBuffer, command: *mut CPVectorCommand, is_step: bool) -> c_int {
+    // SAFETY: as the contract of this function asks; a vector is the same struct: asserted above.
+    let (Some(buffer), Some(command)) = (unsafe { (buffer.as_ref(), command.cast::<Vector>().as_mut()) }) else {
+        return CPResult_error;
+    };
+    let Some(bytes) = buffer.bytes.get(..buffer.length.into()) else { return CPResult_malformed };
+    let (mut receiver, mut item) = (CommandReceiver::new(), Item::new());
+    let start = if is_step { b'*' } else { b'!' };
+    if bytes.first() != Some(&start) || receiver.receive(bytes, &mut item) != bytes.len() {
+        return CPResult_malformed;
+    }
+    let Some(message @ (Message::Move(packed) | Message::Step(packed))) = item.message() else {
+        return CPResult_malformed;
+    };
+    // The positions are set: that they are known is what the mask is to say.
+    let before = command.mask;
+    command.mask = MASK_AXES;
+    let followed = command.follow(&message);
+    command.mask = if followed.is_ok() { packed.mask } else { before };
+    if followed.is_ok() { CPResult_ok } else { CPResult_range }
+}

@@ -1,0 +1,263 @@
+//! Of `gx.h`: what writes commands and notices.
+
+use core::ffi::{c_int, c_void};
+
+use super::super::memory::{int, room_of};
+use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE};
+use deltarobot_protocols::gx::{EncodeError, Format, Number, NumberField, Vector};
+use deltarobot_protocols::gx::{
+    write_completed, write_move, write_position, write_refused, write_reporting, write_shortest, write_step,
+};
+
+/// Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
+/// NULL or its format is 0.
+///
+/// Returns its length in bytes, at most `GX_ENCODED_MAX`; or -`GX_RC_RANGE` when a value or the mask does not fit,
+/// -`GX_RC_OVERFLOW` when the room is too small, -`GX_RC_ERROR_GENERIC` when target is NULL or has an empty mask, a
+/// format is none, buf is NULL or cap negative. The room's contents are then not to be used.
+///
+/// ```c
+/// const struct gx_vector target = {500, 1 | GX_MASK_VELOCITY, {1000, 0, 0, 0, 0, 0}};
+/// int length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_move(
+    format: c_int,
+    number: *const NumberField,
+    target: *const Vector,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match (format_of(format), target.as_ref()) {
+            (Some(format), Some(target)) => {
+                write(number, buf, cap, |number, room| write_move(format, number, target, room))
+            }
+            _ => -GX_RC_ERROR_GENERIC,
+        }
+    }
+}
+
+/// Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
+/// int length = gx_write_step(NULL, &deltas, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_step(
+    number: *const NumberField,
+    deltas: *const Vector,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match deltas.as_ref() {
+            Some(deltas) => write(number, buf, cap, |number, room| write_step(number, deltas, room)),
+            None => -GX_RC_ERROR_GENERIC,
+        }
+    }
+}
+
+/// Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
+/// axis that stays where it is. The mask of from tells which axes are known; NULL: none.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_shortest(NULL, &target, &position, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_shortest(
+    number: *const NumberField,
+    target: *const Vector,
+    from: *const Vector,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    const UNKNOWN: &Vector = &Vector::new();
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let from = from.as_ref().unwrap_or(UNKNOWN);
+        match target.as_ref() {
+            Some(target) => write(number, buf, cap, |number, room| write_shortest(number, target, from, room)),
+            None => -GX_RC_ERROR_GENERIC,
+        }
+    }
+}
+
+/// Writes a command to report the position each period milliseconds, 0 to 16383; 0: never.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_reporting(
+    format: c_int,
+    number: *const NumberField,
+    period: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
+    // What is none stays out of range.
+    let period = u16::try_from(period).unwrap_or(u16::MAX);
+    // SAFETY: as the contract of this function asks.
+    unsafe { write(number, buf, cap, |number, room| write_reporting(format, number, period, room)) }
+}
+
+/// Writes the notice that the command with this number was carried out, in the number's format.
+///
+/// Returns what `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
+///
+/// ```c
+/// int length = gx_write_completed(&item.number, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mut c_void, cap: c_int) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        write(number, buf, cap, |number, room| match number {
+            Some(number) => write_completed(number, room),
+            None => Err(EncodeError::Empty),
+        })
+    }
+}
+
+/// Writes the notice that a command was not carried out: with its number, if it had one, in the format of the command.
+/// code is 0 to 127: `GX_FAULT_*` or the firmware's own.
+///
+/// Without a number it begins with a line end: behind a packed number of the notice before, it would be about that
+/// command.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_refused(
+    format: c_int,
+    number: *const NumberField,
+    code: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
+    // What is none stays out of range.
+    let code = u8::try_from(code).unwrap_or(u8::MAX);
+    // SAFETY: as the contract of this function asks.
+    unsafe { write(number, buf, cap, |number, room| write_refused(format, number, code, room)) }
+}
+
+/// Writes a position report. A position has no velocity: flagged, it does not fit.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_position(GX_BINARY, &position, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_write_move`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_write_position(
+    format: c_int,
+    position: *const Vector,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match (format_of(format), position.as_ref()) {
+            (Some(format), Some(position)) => {
+                write(core::ptr::null(), buf, cap, |_, room| write_position(format, position, room))
+            }
+            _ => -GX_RC_ERROR_GENERIC,
+        }
+    }
+}
+
+fn format_of(format: c_int) -> Option<Format> {
+    match format {
+        GX_BINARY => Some(Format::Binary),
+        GX_ASCII => Some(Format::Ascii),
+        _ => None,
+    }
+}
+
+/// Calls a function of the core's that writes something with a number, and makes its answer an int.
+///
+/// # Safety
+///
+/// number is NULL or points to a number, buf is NULL or points to cap writable bytes.
+pub(super) unsafe fn write(
+    number: *const NumberField,
+    buf: *mut c_void,
+    cap: c_int,
+    write: impl FnOnce(Option<Number>, &mut [u8]) -> Result<usize, EncodeError>,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (number, room) = unsafe { (number.as_ref(), room_of(buf, cap)) };
+    let number = match number {
+        Some(number) if number.format != 0 => match format_of(number.format.into()) {
+            Some(format) => Some(Number { value: number.value, format }),
+            None => return -GX_RC_ERROR_GENERIC,
+        },
+        _ => None,
+    };
+    let Some(room) = room else { return -GX_RC_ERROR_GENERIC };
+    // SAFETY: the core only writes to it, and tells how many bytes from its beginning.
+    let room = unsafe { &mut *(core::ptr::from_mut(room) as *mut [u8]) };
+    match write(number, room) {
+        Ok(length) => int(length),
+        Err(EncodeError::Range) => -GX_RC_RANGE,
+        Err(EncodeError::Room) => -GX_RC_OVERFLOW,
+        Err(EncodeError::Empty) => -GX_RC_ERROR_GENERIC,
+    }
+}

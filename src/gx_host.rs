@@ -1,0 +1,385 @@
+//! `gx_host.h`: the host's end of the GX protocol.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_int, c_long, c_ulong, c_void};
+use core::mem::{align_of, offset_of, size_of};
+
+use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
+use super::memory::{bytes_of, fill, int, long};
+use super::sized_alias;
+use deltarobot_protocols::clock::time;
+use deltarobot_protocols::config::GX_WINDOW_MAX;
+use deltarobot_protocols::gx::host::{Event, Health, Host, Outcome, QueueError, Requested, Settings, Window};
+use deltarobot_protocols::gx::{AXES, MASK_AXES, PERIOD_MAX, Vector};
+
+/// Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
+/// in the order of the requests.
+pub const GX_HOST_ENDED: c_int = 1;
+/// Event: a position report: position.
+pub const GX_HOST_REPORT: c_int = 2;
+/// Event: an error notice: code, number. What is to be done about it, the session does.
+pub const GX_HOST_ERROR: c_int = 3;
+/// Event: a session has begun.
+pub const GX_HOST_BEGUN: c_int = 4;
+
+/// Outcome: the move was carried out.
+pub const GX_HOST_FINISHED: c_int = 1;
+/// Outcome: the motion side did not accept the move. It was not carried out.
+pub const GX_HOST_REFUSED: c_int = 2;
+/// Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
+pub const GX_HOST_FAILED: c_int = 3;
+/// Outcome: the move was not begun, since one before it was refused or has failed, or the session ended before it was
+/// sent.
+pub const GX_HOST_DROPPED: c_int = 4;
+/// Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
+pub const GX_HOST_TIMED_OUT: c_int = 5;
+/// Outcome: the motion side has begun anew, or does not take this for a session any more. Whether the move was carried
+/// out is not known.
+pub const GX_HOST_LOST: c_int = 6;
+
+/// Something that happened.
+#[derive(Debug)]
+#[repr(C)]
+pub struct HostEvent {
+    /// What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
+    pub kind: c_int,
+    /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
+    pub outcome: c_int,
+    /// Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
+    pub code: c_int,
+    /// Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others.
+    pub number: c_int,
+    /// Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone.
+    pub position: Vector,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const LONG: usize = size_of::<c_ulong>();
+    const VECTOR: usize = size_of::<Vector>();
+    const fn up(size: usize, align: usize) -> usize {
+        size.next_multiple_of(align)
+    }
+    assert!(offset_of!(Settings, answer_ms) == 0 && offset_of!(Settings, probe_ms) == LONG);
+    assert!(offset_of!(Settings, move_ms) == 2 * LONG && offset_of!(Settings, gap_ms) == 3 * LONG);
+    assert!(offset_of!(Settings, attempts) == 4 * LONG && offset_of!(Settings, window) == 4 * LONG + INT);
+    assert!(offset_of!(Settings, ascii) == 4 * LONG + 2 * INT);
+    assert!(offset_of!(Settings, first_number) == 4 * LONG + 3 * INT);
+    assert!(size_of::<Settings>() == up(4 * LONG + 4 * INT, align_of::<c_ulong>()));
+    assert!(offset_of!(Health, moves) == 0 && offset_of!(Health, repeats) == LONG);
+    assert!(offset_of!(Health, completions) == 2 * LONG && offset_of!(Health, errors) == 3 * LONG);
+    assert!(offset_of!(Health, strays) == 4 * LONG && offset_of!(Health, reports) == 5 * LONG);
+    assert!(offset_of!(Health, malformed) == 6 * LONG && offset_of!(Health, timeouts) == 7 * LONG);
+    assert!(offset_of!(Health, sessions) == 8 * LONG && size_of::<Health>() == 9 * LONG);
+    assert!(size_of::<Requested>() == VECTOR + 4);
+    assert!(size_of::<Window>() == up(GX_WINDOW_MAX * size_of::<Requested>() + VECTOR + 5, align_of::<i32>()));
+    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, outcome) == INT);
+    assert!(offset_of!(HostEvent, code) == 2 * INT && offset_of!(HostEvent, number) == 3 * INT);
+    assert!(
+        offset_of!(HostEvent, position) == 4 * INT
+            && size_of::<HostEvent>() == up(4 * INT + VECTOR, align_of::<c_int>())
+    );
+    if INT == 4 && LONG == 8 {
+        assert!(size_of::<Host>() == up(48 + 72 + size_of::<Window>() + VECTOR + 40, LONG) + up(6 * LONG + 15, LONG));
+    }
+};
+
+/// Begins a session. Memory that is all zero is one too, with the default settings.
+///
+/// settings are copied; NULL stands for the defaults.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+///
+/// ```c
+/// struct gx_host_settings settings = {0};
+/// settings.window = 4;
+/// gx_host_init(&host, &settings);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+    // SAFETY: as the contract of this function asks; zero is a session.
+    let (Some(host), settings) = (unsafe { (init(host), settings.as_ref()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    if let Some(settings) = settings {
+        host.set(settings);
+    }
+    GX_RC_SUCCESS
+}
+sized_alias!(gx: gx_host_init(host: *mut Host, settings: *const Settings) -> c_int);
+
+/// Requests a move behind those requested before. The end comes as an event.
+///
+/// target holds `GX_AXES` positions in steps, x first; those that axes, a mask, flags (`1 << GX_AXIS`) are where these
+/// axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
+/// of the move before holds. Without any axis, only the velocity is set.
+///
+/// Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
+/// `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
+/// axis nor velocity.
+///
+/// ```c
+/// const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
+/// if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
+///     puts("first, events have to be fetched");
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`; target is NULL or points to six values.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_move")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (Some(host), Some(target)) = (unsafe { (host.as_mut(), target.cast::<[i32; AXES]>().as_ref()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    match vector_of(target, axes, velocity).map(|target| host.move_to(&target)) {
+        Some(Ok(())) => GX_RC_SUCCESS,
+        Some(Err(QueueError::Busy)) => GX_RC_BUSY,
+        Some(Err(QueueError::Range)) | None => GX_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(gx: gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int);
+
+/// Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
+/// are asked for again when they stay away.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+///
+/// ```c
+/// if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
+///     puts("no such period");
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. host was begun by `gx_host_init` or is all zero.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_report")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match (unsafe { host.as_mut() }, u16::try_from(period_ms)) {
+        (Some(host), Ok(period)) if period <= PERIOD_MAX => {
+            host.report(period);
+            GX_RC_SUCCESS
+        }
+        _ => GX_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(gx: gx_host_report(host: *mut Host, period_ms: c_int) -> c_int);
+
+/// Takes received bytes; `now_ms` is when they came.
+///
+/// Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
+/// rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// for (int taken = 0; taken < got; handle_events(&host))
+///     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
+        (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
+        _ => -GX_RC_ERROR_GENERIC,
+    }
+}
+sized_alias!(gx: gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
+
+/// Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
+/// there is none; what is to be sent after that tells `gx_host_output`.
+///
+/// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
+/// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+///
+/// ```c
+/// struct gx_host_event event;
+/// while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+///     if (event.kind == GX_HOST_ENDED)
+///         printf("the oldest move: outcome %d\n", event.outcome);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    let happened = host.poll(time(now_ms));
+    // SAFETY: event is not NULL.
+    unsafe { write_event(event, happened.as_ref()) };
+    if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
+}
+sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
+
+/// Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
+/// `gx_host_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
+///
+/// Returns how many bytes were written, 0 when there is nothing to send or no room for the next command, or
+/// -`GX_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+///
+/// ```c
+/// int length = gx_host_output(&host, out, sizeof out, now_ms());
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_output")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_mut() }) else {
+        return -GX_RC_ERROR_GENERIC;
+    };
+    // SAFETY: as the contract of this function asks.
+    let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
+    written.unwrap_or(-GX_RC_ERROR_GENERIC)
+}
+sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
+
+/// How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
+/// the output was fetched: what it returns is then what poll(2) takes as time-out.
+///
+/// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+///
+/// ```c
+/// wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_next_deadline")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
+    // SAFETY: as the contract of this function asks.
+    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
+    left.map_or(-1, long)
+}
+sized_alias!(gx: gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
+
+/// How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
+///
+/// ```c
+/// if (gx_host_unfinished(&host) == 0)
+///     puts("all moves have ended");
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_unfinished")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { host.as_ref() }.map_or(0, |host| host.unfinished().into())
+}
+sized_alias!(gx: gx_host_unfinished(host: *const Host) -> c_int);
+
+/// How the link does: NULL when host is, else counters that live and change with the session.
+///
+/// ```c
+/// const struct gx_host_health *health = gx_host_get_health(&host);
+/// printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
+/// ```
+///
+/// # Safety
+///
+/// As for `gx_host_report`.
+///
+/// cbindgen:postfix=GX_SIZED("gx_host_get_health")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { host.as_ref() } {
+        Some(host) => host.health(),
+        None => core::ptr::null(),
+    }
+}
+sized_alias!(gx: gx_host_get_health(host: *const Host) -> *const Health);
+
+/// What `gx_host_move` was given, if it can be a vector.
+fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<Vector> {
+    let mut vector = Vector::new();
+    for (place, value) in vector.axes.iter_mut().zip(target) {
+        *place = *value;
+    }
+    vector.mask = u8::try_from(axes).ok().filter(|axes| *axes <= MASK_AXES)?;
+    if velocity != -1 {
+        vector.set_velocity(u16::try_from(velocity).ok()?);
+    }
+    Some(vector)
+}
+
+/// # Safety
+///
+/// event points to writable memory of its type.
+unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
+    let (mut outcome, mut code, mut number) = (0, 0, None);
+    let kind = match happened {
+        None => 0,
+        Some(Event::Ended(how, why)) => {
+            (outcome, code) = (outcome_of(*how), *why);
+            GX_HOST_ENDED
+        }
+        Some(Event::Report(position)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe { (*event).position.copy(position) };
+            GX_HOST_REPORT
+        }
+        Some(Event::Error(why, of)) => {
+            (code, number) = (*why, *of);
+            GX_HOST_ERROR
+        }
+        Some(Event::Begun) => GX_HOST_BEGUN,
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*event).kind = kind;
+        (*event).outcome = outcome;
+        (*event).code = code.into();
+        (*event).number = number.map_or(-1, |number| int(number.into()));
+    }
+}
+
+const fn outcome_of(outcome: Outcome) -> c_int {
+    match outcome {
+        Outcome::Finished => GX_HOST_FINISHED,
+        Outcome::Refused => GX_HOST_REFUSED,
+        Outcome::Failed => GX_HOST_FAILED,
+        Outcome::Dropped => GX_HOST_DROPPED,
+        Outcome::TimedOut => GX_HOST_TIMED_OUT,
+        Outcome::Lost => GX_HOST_LOST,
+    }
+}

@@ -1,0 +1,139 @@
+//! What `dp_host_poll` tells.
+
+use core::ffi::{c_int, c_uchar};
+use core::mem::{align_of, offset_of, size_of};
+
+use crate::memory::int;
+use crate::payload::report_to;
+use crate::protocol::{DP_STATUS_ERROR, DP_STATUS_HOMING, DP_STATUS_IDLE, DP_STATUS_MOVING};
+use crate::protocol::{ProtocolMsg, StatusReport};
+use deltarobot_protocols::deltarobot::host::{Event, Outcome};
+use deltarobot_protocols::deltarobot::{Opcode, State};
+
+/// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
+pub const DP_HOST_MESSAGE: c_int = 1;
+/// Event: a status report was received; `report` holds it, `state` its state.
+pub const DP_HOST_STATUS: c_int = 2;
+/// Event: the platform is in another state than before: `state`; `report` is the status report that says so.
+pub const DP_HOST_STATE: c_int = 3;
+/// Event: a general error was received.
+pub const DP_HOST_ERROR: c_int = 4;
+/// Event: the controller has accepted the operation `opcode`.
+pub const DP_HOST_ACCEPTED: c_int = 5;
+/// Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
+pub const DP_HOST_ENDED: c_int = 6;
+
+/// Outcome: the request was carried out.
+pub const DP_HOST_FINISHED: c_int = 1;
+/// Outcome: the controller did not accept the request.
+pub const DP_HOST_REFUSED: c_int = 2;
+/// Outcome: the controller accepted the operation, and could not carry it out.
+pub const DP_HOST_FAILED: c_int = 3;
+/// Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
+pub const DP_HOST_CANCELLED: c_int = 4;
+/// Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
+pub const DP_HOST_TIMED_OUT: c_int = 5;
+
+/// Something that happened.
+#[derive(Debug)]
+#[repr(C)]
+pub struct HostEvent {
+    /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
+    pub kind: c_int,
+    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
+    /// `STATUS`.
+    pub opcode: c_uchar,
+    /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
+    pub outcome: c_int,
+    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
+    pub state: c_int,
+    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
+    pub report: StatusReport,
+    /// Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
+    pub msg: ProtocolMsg,
+}
+
+// The layout that C compilers give it; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const fn up(size: usize, align: usize) -> usize {
+        size.next_multiple_of(align)
+    }
+    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, opcode) == INT);
+    assert!(offset_of!(HostEvent, outcome) == INT + up(1, align_of::<c_int>()));
+    assert!(offset_of!(HostEvent, state) == offset_of!(HostEvent, outcome) + INT);
+    assert!(offset_of!(HostEvent, report) == up(offset_of!(HostEvent, state) + INT, align_of::<StatusReport>()));
+    assert!(
+        offset_of!(HostEvent, msg)
+            == up(offset_of!(HostEvent, report) + size_of::<StatusReport>(), align_of::<c_int>())
+    );
+    assert!(size_of::<HostEvent>() == offset_of!(HostEvent, msg) + size_of::<ProtocolMsg>());
+};
+
+/// Hands an event to C, or that there is none. The payload of a message is there already.
+///
+/// # Safety
+///
+/// out points to writable memory of its size and alignment.
+pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<&Event>) {
+    let (mut opcode, mut outcome, mut report) = (Opcode(0), 0, None);
+    let kind = match event {
+        None => 0,
+        Some(Event::Message(received, length)) => {
+            // SAFETY: as the contract of this function asks.
+            unsafe {
+                (*out).msg.opcode = received.0;
+                (*out).msg.data_s = int(*length);
+                (*out).msg.checksum_ok = 1;
+            }
+            DP_HOST_MESSAGE
+        }
+        Some(Event::Status(received)) => {
+            report = Some(received);
+            DP_HOST_STATUS
+        }
+        Some(Event::State(received)) => {
+            report = Some(received);
+            DP_HOST_STATE
+        }
+        Some(Event::GeneralError) => DP_HOST_ERROR,
+        Some(Event::Accepted(accepted)) => {
+            opcode = *accepted;
+            DP_HOST_ACCEPTED
+        }
+        Some(Event::Ended(ended, how)) => {
+            (opcode, outcome) = (*ended, outcome_of(*how));
+            DP_HOST_ENDED
+        }
+    };
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*out).kind = kind;
+        (*out).opcode = opcode.0;
+        (*out).outcome = outcome;
+        (*out).state = report.map_or(-1, |report| state_of(report.state()));
+        if let Some(report) = report {
+            report_to(&raw mut (*out).report, report);
+        }
+    }
+}
+
+const fn outcome_of(outcome: Outcome) -> c_int {
+    match outcome {
+        Outcome::Finished => DP_HOST_FINISHED,
+        Outcome::Refused => DP_HOST_REFUSED,
+        Outcome::Failed => DP_HOST_FAILED,
+        Outcome::Cancelled => DP_HOST_CANCELLED,
+        Outcome::TimedOut => DP_HOST_TIMED_OUT,
+    }
+}
+
+const fn state_of(state: State) -> c_int {
+    match state {
+        State::Idle => DP_STATUS_IDLE,
+        State::Homing => DP_STATUS_HOMING,
+        State::Moving => DP_STATUS_MOVING,
+        State::Error => DP_STATUS_ERROR,
+    }
+}

@@ -1,0 +1,374 @@
+//! `line_device.h`: the device's end of the line protocol's link.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
+use core::ptr::null;
+
+use super::line_protocol::encoder::{keep, resume};
+use super::line_protocol::{LineEncoder, LineMessage};
+use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
+use super::memory::{bytes_of, int, text_of, zero};
+use super::sized_alias;
+use deltarobot_protocols::clock::time;
+use deltarobot_protocols::line::Value;
+use deltarobot_protocols::line::device::{DeviceHealth, DeviceLink, Input, Setup};
+
+mod layout;
+mod serve;
+mod table;
+
+use serve::{send, serve};
+use table::{check, device_of};
+
+/// Length of the longest id that a device behind a link may have.
+pub const OLP_ID_MAX: c_int = 10;
+
+/// Executes a command: reads its parameters from command, and adds those of the answer (but for id and t, which are
+/// added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
+/// then. Both are gone when the function returns. It may use the device, which however receives nothing meanwhile.
+///
+/// ```c
+/// int set_switch(const struct olp_message *command, struct olp_encoder *answer, void *usr)
+/// {
+///     long state;
+///     if (olp_get_int(command, "state", 0, &state) != OLP_RC_SUCCESS)
+///         return -1;
+///     olp_add_int(answer, "state", switch_to(state));
+///     return 0;
+/// }
+/// ```
+pub type RunFunc =
+    Option<unsafe extern "C" fn(command: *const LineMessage, answer: *mut LineEncoder, usr: *mut c_void) -> c_int>;
+/// Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
+/// line asks again. It may use the device, which however receives nothing while a line is being answered.
+///
+/// ```c
+/// int send_line(const void *line, int bytes, void *usr)
+/// {
+///     return uart_write((struct uart *)usr, line, bytes);
+/// }
+/// ```
+pub type LineSendFunc = Option<unsafe extern "C" fn(line: *const c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
+
+/// A device behind the link, as its welcome tells. The texts end with a zero byte.
+#[derive(Debug)]
+#[repr(C)]
+pub struct DeviceInfo {
+    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
+    pub id: *const c_char,
+    /// What it is, e.g. OzekiSwitchController.
+    pub r#type: *const c_char,
+    /// Its place; 0: it is not told.
+    pub pos: c_int,
+    /// Its name; NULL: it has none.
+    pub name: *const c_char,
+    /// Its version; NULL: it has none.
+    pub version: *const c_char,
+}
+
+/// A command that a device executes.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Command {
+    /// The device's id; NULL: each device has it. The first command that fits is taken.
+    pub id: *const c_char,
+    /// The command's name, of `[a-z0-9]`.
+    pub name: *const c_char,
+    /// What executes it; NULL: it is refused.
+    pub run: RunFunc,
+}
+
+/// What is behind a link, and how to send to its other end.
+#[derive(Debug)]
+#[repr(C)]
+pub struct DeviceTable {
+    /// The devices, at least one. The first stands for all of them where the link itself has something to tell.
+    pub devices: *const DeviceInfo,
+    /// Their number.
+    pub device_count: c_int,
+    /// What they execute. linksetup is not among it: the library does that.
+    pub commands: *const Command,
+    /// Number of commands.
+    pub command_count: c_int,
+    /// Sends a line.
+    pub send: LineSendFunc,
+    /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
+    /// stands for 3000. It has to be more than the other end waits before it repeats. After that, the same line with
+    /// the same t is a new command.
+    pub repeat_ms: c_ulong,
+}
+
+/// The device's end of a link. Its fields are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Device {
+    link: DeviceLink,
+    table: *const DeviceTable,
+    usr: *mut c_void,
+    /// How many devices were welcomed.
+    welcomed: c_int,
+    input: Input,
+    /// The setup to tell by an event of its own, if `tells` is not 0.
+    own: Setup,
+    tells: c_uchar,
+    /// Not 0 while `olp_device_poll` runs.
+    serving: c_uchar,
+}
+
+/// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
+/// when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
+/// array has to be.
+///
+/// ```c
+/// static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
+/// static const struct olp_command commands[] = {{0, "setswitch", set_switch}};
+/// static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
+/// olp_device_init(&device, &table, &uart);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. table's counts, texts and functions are what it says, and
+/// its functions can be called with usr; it stays there, unchanged, as long as the device is used.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int {
+    if device.is_null() {
+        return OLP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks; zero is a device that is not ready.
+    unsafe {
+        zero(device);
+        let rc = check(table, (*device).link.room());
+        if rc == OLP_RC_SUCCESS {
+            (*device).table = table;
+            (*device).usr = usr;
+            (*device).link.expect_repeats_for((*table).repeat_ms);
+        }
+        rc
+    }
+}
+sized_alias!(olp: olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int);
+
+/// Begins anew, as after `olp_device_init`: to be called when another connection is made.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+///
+/// ```c
+/// if (was_reconnected())
+///     olp_device_restart(&device);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. device was made by `olp_device_init` or is all zero.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_restart")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        let (table, usr) = ((*device).table, (*device).usr);
+        olp_device_init(device, table, usr)
+    }
+}
+sized_alias!(olp: olp_device_restart(device: *mut Device) -> c_int);
+
+/// Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
+/// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
+/// be unanswered, 1 to `OLP_WINDOW_MAX`.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
+/// window is out of range.
+///
+/// ```c
+/// if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
+///     olp_device_poll(&device, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_linksetup")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_linksetup(
+    device: *mut Device,
+    ack: c_int,
+    checksum: c_int,
+    window: c_int,
+) -> c_int {
+    let own = u16::try_from(window).ok().filter(|window| Setup::has_window(*window));
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match own {
+            Some(window) if is_ready(device) => {
+                (*device).own = Setup::new(ack != 0, checksum != 0, window);
+                (*device).tells = 1;
+                OLP_RC_SUCCESS
+            }
+            _ => OLP_RC_ERROR_GENERIC,
+        }
+    }
+}
+sized_alias!(olp: olp_device_linksetup(device: *mut Device, ack: c_int, checksum: c_int, window: c_int) -> c_int);
+
+/// Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
+/// line, no more are taken. Not for interrupts that may come during another call on the same device.
+///
+/// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
+/// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
+/// and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
+///     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_receive(
+    device: *mut Device,
+    buf: *const c_void,
+    bytes: c_int,
+    now_ms: c_ulong,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        match bytes_of(buf, bytes) {
+            Some(input) if is_ready(device) => {
+                (*device).link.tick(time(now_ms));
+                int((*device).input.take(input))
+            }
+            _ => -OLP_RC_ERROR_GENERIC,
+        }
+    }
+}
+sized_alias!(olp: olp_device_receive(device: *mut Device, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
+
+/// Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
+/// firmware's main loop.
+///
+/// Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
+/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
+/// `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
+/// `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+///
+/// ```c
+/// while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
+///     ;
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        if (*device).serving != 0 {
+            return OLP_RC_BUSY;
+        }
+        (*device).serving = 1;
+        let rc = serve(device, time(now_ms));
+        (*device).serving = 0;
+        rc
+    }
+}
+sized_alias!(olp: olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int);
+
+/// Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
+/// here. Its buffer is the caller's, and as long as the line may be.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
+/// when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
+/// sent then.
+///
+/// ```c
+/// char text[OLP_REPLY_MAX];
+/// olp_begin(&event, text, sizeof text, "heaterinfo");
+/// olp_add_float(&event, "temp", 21.5f, 2);
+/// olp_device_event(&device, &event, "M1F910");
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`; event was begun and its buffer is still there; id is NULL or a string.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_event")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        if !is_ready(device) {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        let known = text_of(id).and_then(|id| device_of(&*(*device).table, Value::new(id)));
+        let (Some(id), Some(event)) = (known, event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
+        if (*device).welcomed < (*(*device).table).device_count {
+            return OLP_RC_BUSY;
+        }
+        let Some(mut line) = resume(event) else { return event.error };
+        let written = (*device).link.finish_event(&mut line, id);
+        keep(event, &line);
+        let rc = event.error;
+        if let Ok(length) = written {
+            event.error = OLP_RC_ERROR_GENERIC;
+            send(device, event.buf.cast(), length);
+        }
+        rc
+    }
+}
+sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int);
+
+/// How the link does.
+///
+/// Returns counters that live and change with the device, or NULL when device is.
+///
+/// ```c
+/// const struct olp_device_health *health = olp_device_get_health(&device);
+/// printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_device_restart`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_device_get_health")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const DeviceHealth {
+    if device.is_null() {
+        return null();
+    }
+    // SAFETY: not NULL, so as the contract of this function asks.
+    unsafe { (*device).link.health() }
+}
+sized_alias!(olp: olp_device_get_health(device: *const Device) -> *const DeviceHealth);
+
+/// Whether a device was made, so that its functions can be called.
+///
+/// # Safety
+///
+/// As for [`olp_device_poll`].
+unsafe fn is_ready(device: *const Device) -> bool {
+    // SAFETY: as the contract of this function asks.
+    unsafe { !device.is_null() && !(*device).table.is_null() }
+}

@@ -1,0 +1,392 @@
+//! `line_host.h`: the PC's end of the line protocol's link.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
+use core::ptr::{from_ref, null};
+
+use super::line_protocol::{
+    OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
+    OLP_RC_TOO_LONG,
+};
+use super::memory::{bytes_of, fill, int, long, text_of, zero};
+use super::sized_alias;
+use deltarobot_protocols::clock::time;
+use deltarobot_protocols::line::host::{Device, Health, Host, Link, QueueError, Settings};
+
+pub mod event;
+mod layout;
+
+use event::{LineHostEvent, write_event};
+
+/// Longest id that a device in the table may have.
+pub const OLP_HOST_ID_MAX: c_int = 15;
+/// Longest type of a device that is kept whole.
+pub const OLP_HOST_TYPE_MAX: c_int = 47;
+/// Longest name of a device that is kept whole.
+pub const OLP_HOST_NAME_MAX: c_int = 31;
+/// Longest version of a device that is kept whole.
+pub const OLP_HOST_VERSION_MAX: c_int = 15;
+
+/// Begins a session. Memory that is all zero is one too, with the default settings.
+///
+/// settings are copied; NULL stands for the defaults.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+///
+/// ```c
+/// struct olp_host_settings settings = {0};
+/// settings.recognises = 1;
+/// olp_host_init(&host, &settings);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+    if host.is_null() {
+        return OLP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: as the contract of this function asks; zero is a session.
+    unsafe {
+        zero(host);
+        if let Some(settings) = settings.as_ref() {
+            (*host).set(settings);
+        }
+    }
+    OLP_RC_SUCCESS
+}
+sized_alias!(olp: olp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
+
+/// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
+/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+///
+/// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
+/// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
+/// first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
+/// the answer does not tell is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
+///
+/// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
+/// a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
+/// forgets them.
+///
+/// Returns a handle or an error as `olp_host_send` does.
+///
+/// ```c
+/// if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
+///     puts("first, events have to be fetched");
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_send`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_setup")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_setup(
+    host: *mut Host,
+    id: *const c_char,
+    ack: c_int,
+    checksum: c_int,
+    windowsize: c_long,
+) -> c_int {
+    let window = u16::try_from(windowsize).ok();
+    // SAFETY: as the contract of this function asks.
+    let (Some(host), Some(id), true) =
+        (unsafe { host.as_mut() }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
+    else {
+        return OLP_RC_ERROR_GENERIC.wrapping_neg();
+    };
+    let given = |value: c_int| (value >= 0).then_some(value > 0);
+    handle(host.setup(id, given(ack), given(checksum), window))
+}
+sized_alias!(olp: olp_host_setup(
+    host: *mut Host,
+    id: *const c_char,
+    ack: c_int,
+    checksum: c_int,
+    windowsize: c_long,
+) -> c_int);
+
+/// Queues a command for the device id, a string that is encoded as needed.
+///
+/// command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
+/// length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has neither a
+/// checksum nor parameters named `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
+/// bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
+/// With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
+/// optional, write numbers without needless decimals.
+///
+/// `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
+///
+/// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
+/// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
+/// empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
+///
+/// ```c
+/// int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
+/// if (handle == -OLP_RC_BUSY)
+///     puts("first, events have to be fetched");
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero; id is
+/// NULL or a string.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_send")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_send(
+    host: *mut Host,
+    command: *const c_char,
+    length: c_int,
+    id: *const c_char,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (host.as_mut(), bytes_of(command.cast(), length), text_of(id)) } {
+        (Some(host), Some(command), Some(id)) => handle(host.send(command, id)),
+        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+    }
+}
+sized_alias!(olp: olp_host_send(
+    host: *mut Host,
+    command: *const c_char,
+    length: c_int,
+    id: *const c_char,
+) -> c_int);
+
+/// Takes received bytes, up to the end of a line; `now_ms` is when they came.
+///
+/// Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
+/// more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
+/// Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// for (int taken = 0; taken < got; handle_events(&host))
+///     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_receive")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
+        (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
+        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+    }
+}
+sized_alias!(olp: olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
+
+/// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
+/// there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
+/// lost, dropped, error, linksetup, acked, ended, welcome, line.
+///
+/// Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+///
+/// ```c
+/// struct olp_host_event event;
+/// while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+///     if (event.kind == OLP_HOST_ENDED)
+///         printf("command %d: outcome %d\n", event.handle, event.outcome);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_poll")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
+        return OLP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: event is not NULL.
+    unsafe {
+        zero(event);
+        (*event).device = -1;
+        let happened = match host.poll(time(now_ms)) {
+            None => OLP_RC_NO_EVENT,
+            Some(happened) => {
+                write_event(event, &happened);
+                OLP_RC_SUCCESS
+            }
+        };
+        link_to(&raw mut (*event).link, host);
+        happened
+    }
+}
+sized_alias!(olp: olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int);
+
+/// Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
+/// for at least `OLP_COMMAND_MAX` bytes; with more, it writes as many lines as there are and fit.
+///
+/// Returns how many bytes were written, 0 when there is nothing to send or no room for the next line, or
+/// -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
+///
+/// ```c
+/// char out[OLP_COMMAND_MAX];
+/// int length = olp_host_output(&host, out, sizeof out, now_ms());
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_output")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_mut() }) else {
+        return OLP_RC_ERROR_GENERIC.wrapping_neg();
+    };
+    // SAFETY: as the contract of this function asks.
+    let written = unsafe { fill(buf, cap, |line, room| host.output(line, room, time(now_ms))) };
+    written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
+}
+sized_alias!(olp: olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
+
+/// How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
+/// are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
+///
+/// Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+///
+/// ```c
+/// wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_next_deadline")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
+    // SAFETY: as the contract of this function asks.
+    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
+    left.map_or(-1, long)
+}
+sized_alias!(olp: olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
+
+/// What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
+/// nor checksums, and a window of 1.
+///
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+///
+/// ```c
+/// struct olp_host_link link;
+/// if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
+///     puts("lines have checksums");
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_get_link")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_ref() }).filter(|_| !link.is_null()) else {
+        return OLP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: link is not NULL.
+    unsafe { link_to(link, host) };
+    OLP_RC_SUCCESS
+}
+sized_alias!(olp: olp_host_get_link(host: *const Host, link: *mut Link) -> c_int);
+
+/// Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
+/// change, and it stays there when the microcontroller starts anew.
+///
+/// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+///
+/// ```c
+/// struct olp_host_device device;
+/// for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
+///     printf("%s: %s\n", device.id, device.type);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_get_device")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(host) = (unsafe { host.as_ref() }).filter(|_| !device.is_null()) else {
+        return OLP_RC_ERROR_GENERIC;
+    };
+    let Some(found) = usize::try_from(index).ok().and_then(|index| host.device(index)) else {
+        return OLP_RC_NOT_FOUND;
+    };
+    let (from, to) = (from_ref(found).cast::<u8>(), device.cast::<u8>());
+    for place in 0..size_of::<Device>() {
+        // SAFETY: both have this size, and no padding: see above.
+        unsafe { to.add(place).write(from.add(place).read()) };
+    }
+    // SAFETY: as the contract of this function asks; all of it was written just now.
+    unsafe { (*device).end_texts() };
+    OLP_RC_SUCCESS
+}
+sized_alias!(olp: olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);
+
+/// How the link does.
+///
+/// Returns counters that live and change with the session, or NULL when host is.
+///
+/// ```c
+/// const struct olp_host_health *health = olp_host_get_health(&host);
+/// if (health->rtt_count > 0)
+///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_host_poll`.
+///
+/// cbindgen:postfix=OLP_SIZED("olp_host_get_health")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health {
+    // SAFETY: as the contract of this function asks.
+    match unsafe { host.as_ref() } {
+        Some(host) => host.health(),
+        None => null(),
+    }
+}
+sized_alias!(olp: olp_host_get_health(host: *const Host) -> *const Health);
+
+fn handle(queued: Result<c_int, QueueError>) -> c_int {
+    match queued {
+        Ok(handle) => handle,
+        Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
+        Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
+        Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),
+    }
+}
+
+/// # Safety
+///
+/// out points to writable memory of its size and alignment.
+unsafe fn link_to(out: *mut Link, host: &Host) {
+    let link = host.link();
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        (*out).ack = link.ack;
+        (*out).checksum = link.checksum;
+        (*out).windowsize = link.windowsize;
+    }
+}

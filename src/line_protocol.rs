@@ -1,0 +1,135 @@
+//! `line_protocol.h`: lines of the Ozeki line protocol (facts: the page "Ozeki Line Protocol").
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_char, c_int, c_uint};
+use core::mem::{align_of, offset_of, size_of};
+use core::ptr::null;
+
+use deltarobot_protocols::line;
+
+pub mod checksum;
+pub mod encoder;
+pub mod message;
+pub mod receiver;
+pub mod value;
+
+/// The operation completed.
+pub const OLP_RC_SUCCESS: c_int = 0;
+/// A NULL pointer or an argument out of range: nothing was done.
+pub const OLP_RC_ERROR_GENERIC: c_int = 1;
+/// There is no room.
+pub const OLP_RC_OVERFLOW: c_int = 3;
+/// Not now: something else has to end first.
+pub const OLP_RC_BUSY: c_int = 5;
+/// Nothing has happened.
+pub const OLP_RC_NO_EVENT: c_int = 6;
+/// Text is not what it should be: an escape without its two digits, a value that is no number, a line feed within a
+/// line.
+pub const OLP_RC_MALFORMED: c_int = 8;
+/// A line is longer than may be sent, or does not fit the buffer.
+pub const OLP_RC_TOO_LONG: c_int = 9;
+/// A number is beyond what its type holds.
+pub const OLP_RC_RANGE: c_int = 10;
+/// There is no such parameter.
+pub const OLP_RC_NOT_FOUND: c_int = 11;
+/// The first parameter of a line is not `c`, or there is none.
+pub const OLP_RC_NO_COMMAND: c_int = 12;
+/// A name is not of `[a-z0-9]`; a command's may also have `_`.
+pub const OLP_RC_NAME: c_int = 13;
+
+/// Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer.
+pub const OLP_COMMAND_MAX: c_int = 64;
+/// Most decimals that a float is written with.
+pub const OLP_DECIMALS_MAX: c_int = 9;
+
+/// The line has no checksum.
+pub const OLP_CHECKSUM_NONE: c_int = 0;
+/// The line has the right checksum.
+pub const OLP_CHECKSUM_RIGHT: c_int = 1;
+/// The line has a checksum, and it is wrong: some of the line is not what was sent.
+pub const OLP_CHECKSUM_WRONG: c_int = 2;
+
+/// No line has ended yet.
+pub const OLP_LINE_NONE: c_int = 0;
+/// A line was received.
+pub const OLP_LINE_COMPLETE: c_int = 1;
+/// A line longer than `OLP_LINE_MAX` has ended, and is lost.
+pub const OLP_LINE_OVERLONG: c_int = 2;
+
+/// A line that was read: a view of the text that `olp_parse` was given, which must stay where it is meanwhile.
+#[derive(Debug)]
+#[repr(C)]
+pub struct LineMessage {
+    /// The line.
+    pub line: *const c_char,
+    /// Number of bytes of it, without its end.
+    pub length: c_int,
+    /// Number of parameters, the command and a checksum counted.
+    pub count: c_int,
+    /// One of `OLP_CHECKSUM_*`.
+    pub checksum: c_int,
+    /// The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
+    pub sum: c_uint,
+}
+
+/// A message that says nothing.
+const EMPTY: LineMessage = LineMessage { line: null(), length: 0, count: 0, checksum: OLP_CHECKSUM_NONE, sum: 0 };
+
+/// A parameter: a view of the line that it stands in. Neither text ends with a zero byte.
+#[derive(Debug)]
+#[repr(C)]
+pub struct LineParam {
+    /// The name.
+    pub name: *const c_char,
+    /// Number of bytes of it.
+    pub name_length: c_int,
+    /// The value as it was received, encoded: `olp_value_string` decodes it.
+    pub value: *const c_char,
+    /// Number of bytes of it.
+    pub value_length: c_int,
+}
+
+/// What `olp_receive` found.
+#[derive(Debug)]
+#[repr(C)]
+pub struct LineText {
+    /// One of `OLP_LINE_*`.
+    pub kind: c_int,
+    /// The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
+    /// next call.
+    pub text: *const c_char,
+    /// Number of bytes of it; 0 when there is none.
+    pub length: c_int,
+}
+
+/// A line that is being built. Its fields are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct LineEncoder {
+    pub(super) buf: *mut c_char,
+    pub(super) cap: c_int,
+    pub(super) length: c_int,
+    pub(super) error: c_int,
+}
+
+// The layout that C compilers give these structs; C tests assert the same numbers.
+#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+const _: () = {
+    const INT: usize = size_of::<c_int>();
+    const POINTER: usize = size_of::<*const c_char>();
+    const fn up(size: usize) -> usize {
+        size.next_multiple_of(align_of::<*const c_char>())
+    }
+    assert!(offset_of!(LineMessage, line) == 0 && offset_of!(LineMessage, length) == POINTER);
+    assert!(offset_of!(LineMessage, count) == POINTER + INT && offset_of!(LineMessage, checksum) == POINTER + 2 * INT);
+    assert!(offset_of!(LineMessage, sum) == POINTER + 3 * INT && size_of::<LineMessage>() == up(POINTER + 4 * INT));
+    assert!(offset_of!(LineParam, name) == 0 && offset_of!(LineParam, name_length) == POINTER);
+    assert!(offset_of!(LineParam, value) == up(POINTER + INT));
+    assert!(offset_of!(LineParam, value_length) == up(POINTER + INT) + POINTER);
+    assert!(size_of::<LineParam>() == 2 * up(POINTER + INT));
+    assert!(offset_of!(LineText, kind) == 0 && offset_of!(LineText, text) == up(INT));
+    assert!(offset_of!(LineText, length) == up(INT) + POINTER && size_of::<LineText>() == up(up(INT) + POINTER + INT));
+    assert!(size_of::<LineEncoder>() == up(POINTER + 3 * INT));
+    assert!(OLP_COMMAND_MAX as usize == line::COMMAND_MAX && OLP_DECIMALS_MAX as usize == line::DECIMALS_MAX as usize);
+};

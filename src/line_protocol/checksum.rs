@@ -1,0 +1,47 @@
+//! Checksums.
+
+use core::ffi::{c_int, c_uint, c_void};
+
+use crate::memory::bytes_of;
+use deltarobot_protocols::line;
+
+/// The checksum of the protocol, Fletcher-16 in ones' complement: both sums begin at 255, and neither is ever 0. Of no
+/// bytes it is 0xFFFF; of a NULL pointer or a negative length too.
+///
+/// Returns the second sum in bits 8 to 15, the first in bits 0 to 7.
+///
+/// ```c
+/// unsigned int sum = olp_fletcher16(line.text, line.length);
+/// printf("%04x\n", sum);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> c_uint {
+    // SAFETY: as the contract of this function asks.
+    line::fletcher16(unsafe { bytes_of(bytes, length) }.unwrap_or_default()).into()
+}
+
+/// The checksum of bytes whose beginning was summed up before: sum is what this function or `olp_fletcher16` returned
+/// for that, 0xFFFF when it is empty.
+///
+/// Returns the checksum of all; sum, as far as it has 16 bits, when bytes is NULL or length not positive.
+///
+/// ```c
+/// unsigned int sum = 0xFFFF;
+/// for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
+///     sum = olp_fletcher16_more(sum, in, got);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_fletcher16`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_fletcher16_more(sum: c_uint, bytes: *const c_void, length: c_int) -> c_uint {
+    let [low, high, ..] = sum.to_le_bytes();
+    // SAFETY: as the contract of this function asks.
+    let bytes = unsafe { bytes_of(bytes, length) }.unwrap_or_default();
+    line::fletcher16_more(u16::from_le_bytes([low, high]), bytes).into()
+}

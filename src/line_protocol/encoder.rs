@@ -1,0 +1,327 @@
+//! Lines to be sent, parameter by parameter.
+
+use core::ffi::{c_char, c_float, c_int, c_long, c_uint, c_void};
+use core::slice;
+
+use super::{
+    LineEncoder, OLP_COMMAND_MAX, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NAME, OLP_RC_RANGE, OLP_RC_SUCCESS,
+    OLP_RC_TOO_LONG,
+};
+use crate::memory::{bytes_of, int, room_of, text_of};
+use deltarobot_protocols::line::{EncodeError, Encoder};
+
+/// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+///
+/// `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
+/// return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
+/// when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
+///
+/// ```c
+/// char text[OLP_REPLY_MAX];
+/// olp_begin(&encoder, text, sizeof text, "heaterinfo");
+/// olp_add_float(&encoder, "temp", 21.5f, 2);
+/// length = olp_finish(&encoder, 1);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. buf stays there until the line is finished; command is NULL
+/// or a string.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_begin(
+    encoder: *mut LineEncoder,
+    buf: *mut c_char,
+    cap: c_int,
+    command: *const c_char,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { begin(encoder, buf, cap, c_int::MAX, command) }
+}
+
+/// Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
+/// buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
+/// need have to be left out.
+///
+/// Returns what `olp_begin` does.
+///
+/// ```c
+/// char text[OLP_COMMAND_MAX];
+/// olp_begin_command(&encoder, text, sizeof text, "setswitch");
+/// olp_add_int(&encoder, "state", 1);
+/// length = olp_finish(&encoder, 1);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_begin`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_begin_command(
+    encoder: *mut LineEncoder,
+    buf: *mut c_char,
+    cap: c_int,
+    command: *const c_char,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { begin(encoder, buf, cap, OLP_COMMAND_MAX, command) }
+}
+
+/// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
+///
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
+/// when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
+/// returned.
+///
+/// ```c
+/// if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
+///     puts("no room for a name");
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. encoder was made by `olp_begin` or `olp_begin_command` and
+/// its buffer is still there, or is all zero. Strings end with a zero byte.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, text_of(text), Encoder::text) }
+}
+
+/// Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
+///
+/// Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+///
+/// ```c
+/// olp_add_bytes(&encoder, "serial", in, 4);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_string`; text is NULL or points to that many bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_bytes(
+    encoder: *mut LineEncoder,
+    name: *const c_char,
+    text: *const c_void,
+    length: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, bytes_of(text, length), Encoder::text) }
+}
+
+/// Adds a value that is encoded already, such as one of a received line: unchanged.
+///
+/// Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
+/// without its two digits.
+///
+/// ```c
+/// if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
+///     olp_add_raw(&encoder, "t", param.value, param.value_length);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_bytes`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_raw(
+    encoder: *mut LineEncoder,
+    name: *const c_char,
+    value: *const c_char,
+    length: c_int,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, bytes_of(value.cast(), length), Encoder::raw) }
+}
+
+/// Adds an integer, in decimal.
+///
+/// Returns what `olp_add_string` does.
+///
+/// ```c
+/// olp_add_int(&encoder, "state", 1);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_string`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_char, value: c_long) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, Some(value), Encoder::int) }
+}
+
+/// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
+/// the even digit when two are.
+///
+/// Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
+/// `OLP_DECIMALS_MAX`.
+///
+/// ```c
+/// olp_add_float(&encoder, "temp", 21.5f, 2);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_string`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_float(
+    encoder: *mut LineEncoder,
+    name: *const c_char,
+    value: c_float,
+    decimals: c_int,
+) -> c_int {
+    let decimals = u8::try_from(decimals).unwrap_or(u8::MAX);
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, Some(value), |line, name, value| line.float(name, value, decimals)) }
+}
+
+/// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
+///
+/// Returns what `olp_add_string` does.
+///
+/// ```c
+/// olp_begin(&encoder, text, sizeof text, "ack");
+/// olp_add_hex(&encoder, "checksum", message.sum);
+/// length = olp_finish(&encoder, 0);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_string`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_char, value: c_uint) -> c_int {
+    let [low, high, ..] = value.to_le_bytes();
+    let value = u16::from_le_bytes([low, high]);
+    // SAFETY: as the contract of this function asks.
+    unsafe { add(encoder, name, Some(value), Encoder::hex) }
+}
+
+/// Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
+/// zero byte stands behind it where the buffer has room for one.
+///
+/// Returns the length of the line, its line feed counted; minus what the first call for this line returned that failed,
+/// or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is zero
+/// then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
+///
+/// ```c
+/// int length = olp_finish(&encoder, 1);
+/// if (length > 0)
+///     uart_write(&uart, text, length);
+/// ```
+///
+/// # Safety
+///
+/// As for `olp_add_string`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
+    // SAFETY: as the contract of this function asks.
+    if let Some(mut line) = unsafe { resume(encoder) } {
+        // What it says is kept.
+        let _ = line.finish(checksum != 0);
+        keep(encoder, &line);
+    }
+    let code = encoder.error;
+    encoder.error = OLP_RC_ERROR_GENERIC;
+    if code == OLP_RC_SUCCESS { encoder.length } else { code.wrapping_neg() }
+}
+
+/// # Safety
+///
+/// As for [`olp_begin`].
+unsafe fn begin(
+    encoder: *mut LineEncoder,
+    buf: *mut c_char,
+    cap: c_int,
+    limit: c_int,
+    command: *const c_char,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
+    *encoder = LineEncoder { buf, cap: cap.min(limit), length: 0, error: OLP_RC_ERROR_GENERIC };
+    // SAFETY: as the contract of this function asks.
+    let (room, command) = unsafe { (room_of(buf.cast(), cap.min(limit.saturating_add(1))), text_of(command)) };
+    // From here on these are bytes that can be read, and those behind the line are zero.
+    for place in room.unwrap_or_default() {
+        place.write(0);
+    }
+    // SAFETY: as the contract of this function asks.
+    if let (Some(room), Some(command)) = (unsafe { room_for(encoder) }, command) {
+        keep(encoder, &Encoder::begin(room, command));
+    }
+    encoder.error
+}
+
+/// Adds a parameter with that name and value, or what is there of them.
+///
+/// # Safety
+///
+/// As for [`olp_add_string`].
+unsafe fn add<'a, T>(
+    encoder: *mut LineEncoder,
+    name: *const c_char,
+    value: Option<T>,
+    put: impl for<'l> FnOnce(&'l mut Encoder<'a>, &[u8], T) -> &'l mut Encoder<'a>,
+) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    let (Some(encoder), name) = (unsafe { (encoder.as_mut(), text_of(name)) }) else { return OLP_RC_ERROR_GENERIC };
+    // SAFETY: as the contract of this function asks.
+    if let Some(mut line) = unsafe { resume(encoder) } {
+        if let (Some(name), Some(value)) = (name, value) {
+            put(&mut line, name, value);
+            keep(encoder, &line);
+        } else {
+            // SAFETY: as the contract of this function asks.
+            if let Some([first, ..]) = unsafe { room_for(encoder) } {
+                *first = 0;
+            }
+            encoder.error = OLP_RC_ERROR_GENERIC;
+        }
+    }
+    encoder.error
+}
+
+/// The line that an encoder is at, if nothing has failed. It has failed, too, if it was never begun.
+///
+/// # Safety
+///
+/// As for [`olp_add_string`].
+pub(crate) unsafe fn resume<'a>(encoder: &mut LineEncoder) -> Option<Encoder<'a>> {
+    if encoder.error != OLP_RC_SUCCESS {
+        return None;
+    }
+    // SAFETY: as the contract of this function asks.
+    let line = match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
+        (Ok(length), Some(room)) => Some(Encoder::resume(room, length)),
+        _ => None,
+    };
+    if line.is_none() {
+        encoder.error = OLP_RC_ERROR_GENERIC;
+    }
+    line
+}
+
+/// The buffer of a line, as far as the line may reach.
+///
+/// # Safety
+///
+/// As for [`olp_add_string`].
+unsafe fn room_for<'a>(encoder: &LineEncoder) -> Option<&'a mut [u8]> {
+    let cap = usize::try_from(encoder.cap).ok().filter(|_| !encoder.buf.is_null())?;
+    // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
+    Some(unsafe { slice::from_raw_parts_mut(encoder.buf.cast(), cap) })
+}
+
+/// Keeps how far a line is.
+pub(crate) fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
+    encoder.length = int(line.length());
+    encoder.error = match line.error() {
+        None => OLP_RC_SUCCESS,
+        Some(EncodeError::Name) => OLP_RC_NAME,
+        Some(EncodeError::Malformed) => OLP_RC_MALFORMED,
+        Some(EncodeError::Range) => OLP_RC_RANGE,
+        Some(EncodeError::TooLong) => OLP_RC_TOO_LONG,
+    };
+}

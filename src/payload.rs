@@ -1,0 +1,100 @@
+//! `payload.h`: what the messages of the specification (section "Opcodes") say.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::c_int;
+use core::mem::align_of;
+
+use super::memory::{bytes_of, int};
+use super::protocol::{Position, ProtocolMsg, StatusReport};
+use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
+use deltarobot_protocols::deltarobot as core_;
+use deltarobot_protocols::deltarobot::{Layout, Report};
+
+pub mod building;
+pub mod reading;
+pub mod text;
+
+/// Reading a status report: one of more than 13 bytes has the floats first. One of 13 bytes has STAT first, unless the
+/// last byte can be STAT and the first can't, because its reserved bits (5 to 7) are neither all 0 nor all 1. Writing
+/// one: as `DP_LAYOUT_FIRMWARE`.
+pub const DP_LAYOUT_AUTO: c_int = 0;
+/// Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
+pub const DP_LAYOUT_SPEC: c_int = 1;
+/// Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
+/// from 13 on is read.
+pub const DP_LAYOUT_FIRMWARE: c_int = 2;
+
+const _: () = {
+    // Floats are read and written as their bits.
+    assert!(align_of::<u32>() == align_of::<Position>() && size_of::<[u32; 3]>() == size_of::<Position>());
+    assert!(align_of::<StatusReport>() == align_of::<Position>());
+};
+
+/// The payload of a message; `None` when its size is out of range.
+///
+/// # Safety
+///
+/// msg points to a message, which nobody writes while the slice lives.
+unsafe fn payload_of<'a>(msg: *const ProtocolMsg) -> Option<&'a [u8]> {
+    // SAFETY: as the contract of this function asks; the size is checked against the array's.
+    unsafe {
+        match (*msg).data_s {
+            length if length <= const { int(DP_DATA_MAX_SIZE) } => bytes_of((&raw const (*msg).data).cast(), length),
+            _ => None,
+        }
+    }
+}
+
+/// The layout that a `DP_LAYOUT_*` means.
+pub(super) const fn layout_of(layout: c_int) -> Option<Layout> {
+    match layout {
+        DP_LAYOUT_AUTO => Some(Layout::Auto),
+        DP_LAYOUT_SPEC => Some(Layout::Spec),
+        DP_LAYOUT_FIRMWARE => Some(Layout::Firmware),
+        _ => None,
+    }
+}
+
+/// Takes a position over from C, as bits.
+///
+/// # Safety
+///
+/// position is NULL or points to one.
+pub(super) unsafe fn position_from(position: *const Position) -> Option<core_::Position> {
+    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    unsafe { position.cast::<[u32; 3]>().as_ref() }.map(|bits| core_::Position(*bits))
+}
+
+/// Hands a position to C, as bits.
+///
+/// # Safety
+///
+/// out points to a writable position.
+pub(super) unsafe fn position_to(out: *mut Position, position: core_::Position) {
+    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    unsafe { out.cast::<[u32; 3]>().write(position.0) };
+}
+
+/// Takes a status report over from C.
+///
+/// # Safety
+///
+/// report is NULL or points to one.
+pub(super) unsafe fn report_from(report: *const StatusReport) -> Option<Report> {
+    // SAFETY: as the contract of this function asks; a report begins with a position.
+    unsafe { position_from(report.cast()).map(|position| Report::new(position, (*report).STAT)) }
+}
+
+/// Hands a status report to C.
+///
+/// # Safety
+///
+/// out points to a writable status report.
+pub(super) unsafe fn report_to(out: *mut StatusReport, report: &Report) {
+    // SAFETY: as the contract of this function asks; a report begins with a position.
+    unsafe {
+        position_to(out.cast(), report.position);
+        (*out).STAT = report.stat();
+    }
+}

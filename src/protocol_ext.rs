@@ -1,0 +1,165 @@
+//! `protocol_ext.h`: what the original's API lacks.
+//!
+//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
+
+use core::ffi::{c_char, c_int, c_void};
+use core::mem::MaybeUninit;
+
+use super::memory::{bytes_of, int};
+use super::protocol::receiving::{any_message, next_message};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg};
+use super::sized_alias;
+use deltarobot_protocols::deltarobot::Ring;
+
+/// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
+/// The message is gone when the function returns.
+///
+/// ```c
+/// int on_msg(const struct protocol_msg *msg, void *usr)
+/// {
+///     handle(msg);
+///     return 0;
+/// }
+/// ```
+pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mut c_void) -> c_int>;
+
+/// Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
+///
+/// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
+/// are in the ring already come first.
+///
+/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
+/// rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
+/// NULL, bytes is negative, or buf is NULL and bytes is not 0.
+///
+/// ```c
+/// int got = uart_read(&uart, in, sizeof in);
+/// dp_process_each(&ring, in, got, on_msg, NULL);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head. buf's bytes stay as they are until the call
+/// returns. `on_msg` can be called with usr.
+///
+/// cbindgen:postfix=DP_SIZED("dp_process_each")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_process_each(
+    data: *mut Ring,
+    buf: *const c_void,
+    bytes: c_int,
+    on_msg: MsgFunc,
+    usr: *mut c_void,
+) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { process_each(data, buf, bytes, on_msg, usr) }
+}
+sized_alias!(dp_process_each = process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int);
+
+#[inline(always)]
+unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int {
+    // SAFETY: as the contract of dp_process_each asks.
+    let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
+        return DP_RC_ERROR_GENERIC.wrapping_neg();
+    };
+    let mut rest = input;
+    let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
+    loop {
+        // SAFETY: data is not NULL, so a ring by the contract of dp_process_each; msg is ours.
+        while unsafe { next_message(&mut *data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
+            // SAFETY: as the contract of dp_process_each asks; no reference to the ring is held.
+            if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
+                return int(input.len().wrapping_sub(rest.len()));
+            }
+        }
+        if rest.is_empty() {
+            return bytes;
+        }
+        // SAFETY: as above; the reference ends before the next call of on_msg.
+        let ring = unsafe { &mut *data };
+        let (now, later) = rest.split_at_checked(ring.room()).unwrap_or((rest, &[]));
+        // Can't overflow: there is room for them.
+        let _ = ring.append(now);
+        rest = later;
+    }
+}
+
+/// Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
+/// 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
+///
+/// What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
+/// `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
+///
+/// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
+/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
+/// `opcode` is set to 0xFF and the rest of msg is left as it was.
+///
+/// ```c
+/// if (now_ms() - heard_at >= 10)
+///     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
+///         handle(&msg);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+///
+/// cbindgen:postfix=DP_SIZED("dp_recv_idle")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { recv_idle(data, msg) }
+}
+sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
+
+#[inline(always)]
+unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: as the contract of dp_recv_idle asks.
+    unsafe { any_message(data, msg, true) }
+}
+
+/// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
+///
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
+///
+/// ```c
+/// struct protocol_data ring;
+/// dp_init(&ring);
+/// ```
+///
+/// # Safety
+///
+/// Pointers, threads and interrupts: the rules at the head.
+///
+/// cbindgen:postfix=DP_SIZED("dp_init")
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dp_init(data: *mut Ring) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { init(data) }
+}
+sized_alias!(dp_init = init(data: *mut Ring) -> c_int);
+
+#[inline(always)]
+unsafe fn init(data: *mut Ring) -> c_int {
+    // SAFETY: NULL, or memory as the contract of dp_init asks.
+    match unsafe { data.as_mut() } {
+        Some(ring) => {
+            ring.clear();
+            DP_RC_SUCCESS
+        }
+        None => DP_RC_ERROR_GENERIC,
+    }
+}
+
+/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
+///
+/// Returns a string that lives as long as the program.
+///
+/// ```c
+/// if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
+///     printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
+/// ```
+#[unsafe(no_mangle)]
+pub extern "C" fn dp_version() -> *const c_char {
+    const { concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast() }
+}
