@@ -28,3 +28,4 @@ pub mod decimal;
 pub mod deltarobot;
 pub mod gx;
 pub mod line;
+pub mod session;
