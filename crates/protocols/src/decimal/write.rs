@@ -1,0 +1,249 @@
+//! Decimal text of floats.
+
+use super::{Digits, SIZE, WHOLE};
+
+/// Most decimals that [`write_fixed`] can be asked for.
+pub const DECIMALS_MAX: u8 = 9;
+
+/// Significant digits of [`write_float`].
+const SIGNIFICANT: usize = 6;
+
+/// Writes the float of these bits with six significant digits, as `printf("%g")` and C++ streams do.
+pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
+    if bits >> 31 == 1 {
+        put(b'-');
+    }
+    let special: &[u8] = match bits << 1 {
+        0 => b"0",
+        0xFF00_0000 => b"inf",
+        0xFF00_0001.. => b"nan",
+        _ => b"",
+    };
+    special.iter().for_each(|byte| put(*byte));
+    if !special.is_empty() {
+        return;
+    }
+    let mut digits = Digits::of(bits);
+    digits.round(digits.first.wrapping_add(SIGNIFICANT));
+    // Where the units are, if the number is written without an exponent: -4 to 5.
+    let (first, units) = (digits.first, WHOLE.wrapping_sub(1));
+    let fixed = first <= units.wrapping_add(4) && first > units.wrapping_sub(SIGNIFICANT);
+    let units = if fixed { units } else { first };
+    let mut end = first.wrapping_add(SIGNIFICANT);
+    while end > units.wrapping_add(1) && digits.get(end.wrapping_sub(1)) == 0 {
+        end = end.wrapping_sub(1);
+    }
+    digits.put(first.min(units), units, end.max(units.wrapping_add(1)), put);
+    if !fixed {
+        put(b'e');
+        let small = first >= WHOLE;
+        put(if small { b'-' } else { b'+' });
+        let units = WHOLE.wrapping_sub(1);
+        let mut exponent = if small { first.wrapping_sub(units) } else { units.wrapping_sub(first) };
+        let mut tens = b'0';
+        while exponent >= 10 {
+            exponent = exponent.wrapping_sub(10);
+            tens = tens.wrapping_add(1);
+        }
+        put(tens);
+        put(b'0'.wrapping_add(u8::try_from(exponent).unwrap_or_default()));
+    }
+}
+
+/// Writes the float of these bits, which is finite, with so many decimals, [`DECIMALS_MAX`] at most, as
+/// `printf("%.*f")` does: rounded to the nearest; a tie goes to the even digit.
+pub fn write_fixed(bits: u32, decimals: u8, put: &mut dyn FnMut(u8)) {
+    if bits >> 31 == 1 {
+        put(b'-');
+    }
+    let mut digits = Digits::of(bits);
+    let end = WHOLE.wrapping_add(decimals.into());
+    digits.round(end);
+    let units = WHOLE.wrapping_sub(1);
+    digits.put(digits.first.min(units), units, end, put);
+}
+
+impl Digits {
+    /// The digits of a finite float, without its sign.
+    fn of(bits: u32) -> Self {
+        let mut digits = Self::zero();
+        let [low, middle, high, top] = bits.to_le_bytes();
+        let exponent = top << 1 | high >> 7;
+        let high = if exponent == 0 { high & 0x7F } else { high | 0x80 };
+        for byte in [high, middle, low] {
+            digits.multiply(4, byte >> 4);
+            digits.multiply(4, byte & 0xF);
+        }
+        let exponent = exponent.max(1);
+        let (up, mut left) =
+            if exponent >= 150 { (true, exponent.wrapping_sub(150)) } else { (false, 150_u8.wrapping_sub(exponent)) };
+        while left > 0 {
+            let bits = left.min(4);
+            if up {
+                digits.multiply(bits, 0)
+            } else {
+                digits.divide(bits)
+            }
+            left = left.wrapping_sub(bits);
+        }
+        digits
+    }
+
+    /// Rounds to the digits before a place.
+    fn round(&mut self, place: usize) {
+        let mut up = self.rounds_up(place);
+        let mut at = place;
+        while up && at > 0 {
+            at = at.wrapping_sub(1);
+            let Some(digit) = self.digit.get_mut(at) else { break };
+            up = *digit == 9;
+            *digit = if up { 0 } else { digit.wrapping_add(1) };
+            self.first = self.first.min(at);
+        }
+        self.end = place.min(SIZE);
+    }
+
+    /// Writes the digits of these places, with a point behind the units if any follow.
+    fn put(&self, first: usize, units: usize, end: usize, put: &mut dyn FnMut(u8)) {
+        for place in first..end {
+            put(b'0'.wrapping_add(self.get(place)));
+            if place == units && place.wrapping_add(1) < end {
+                put(b'.');
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DECIMALS_MAX, write_fixed, write_float};
+    use std::string::String;
+
+    fn text(bits: u32) -> String {
+        let mut text = String::new();
+        write_float(bits, &mut |byte| text.push(char::from(byte)));
+        text
+    }
+
+    fn fixed(value: f32, decimals: u8) -> String {
+        let mut text = String::new();
+        write_fixed(value.to_bits(), decimals, &mut |byte| text.push(char::from(byte)));
+        text
+    }
+
+    /// %g by its definition in the C standard, on top of Rust's exact `{:e}`.
+    fn percent_g(value: f32) -> String {
+        if value.is_nan() || value.is_infinite() || value == 0.0 {
+            let sign = if value.is_sign_negative() { "-" } else { "" };
+            let name = if value.is_nan() {
+                "nan"
+            } else if value == 0.0 {
+                "0"
+            } else {
+                "inf"
+            };
+            return std::format!("{sign}{name}");
+        }
+        let scientific = std::format!("{:.5e}", f64::from(value));
+        let (digits, exponent) = scientific.split_once('e').unwrap();
+        let exponent: i32 = exponent.parse().unwrap();
+        let trim = |text: &str| String::from(text.trim_end_matches('0').trim_end_matches('.'));
+        if (-4..6).contains(&exponent) {
+            let decimals = usize::try_from(5 - exponent).unwrap();
+            let fixed = std::format!("{:.decimals$}", f64::from(value));
+            if decimals == 0 { fixed } else { trim(&fixed) }
+        } else {
+            let sign = if exponent < 0 { '-' } else { '+' };
+            std::format!("{}e{sign}{:02}", trim(digits), exponent.abs())
+        }
+    }
+
+    #[test]
+    fn known_texts() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (-0.0, "-0"),
+            (1.0, "1"),
+            (-3.5, "-3.5"),
+            (0.1, "0.1"),
+            (100_000.0, "100000"),
+            (999_999.0, "999999"),
+            (999_999.5, "1e+06"),
+            (1e6, "1e+06"),
+            (123_456_790.0, "1.23457e+08"),
+            (0.000_1, "0.0001"),
+            (0.000_099_999_99, "0.0001"),
+            (0.000_012_345_678, "1.23457e-05"),
+            (f32::MAX, "3.40282e+38"),
+            (f32::MIN_POSITIVE, "1.17549e-38"),
+            (f32::INFINITY, "inf"),
+            (f32::NEG_INFINITY, "-inf"),
+            // Ties go to the even digit.
+            (1_000_002.5, "1e+06"),
+            (100_000.5, "100000"),
+            (100_001.5, "100002"),
+        ] {
+            assert_eq!(text(f32::to_bits(value)), expected);
+        }
+        assert_eq!(text(1), "1.4013e-45");
+        assert_eq!(text(0x7F80_0001), "nan");
+        assert_eq!(text(0xFFC0_0000), "-nan");
+    }
+
+    #[test]
+    fn as_percent_g() {
+        let edges = (0..=0x1FF).flat_map(|top: u32| [0, 1, 0x3F_FFFF, 0x40_0000, 0x7F_FFFF].map(|low| top << 23 | low));
+        let spread = (0..20_000_u32).map(|step| step.wrapping_mul(0x9E37_79B9));
+        for bits in edges.chain(spread) {
+            assert_eq!(text(bits), percent_g(f32::from_bits(bits)), "{bits:#010x}");
+        }
+    }
+
+    #[test]
+    fn known_fixed_texts() {
+        for (value, decimals, expected) in [
+            (3343.73, 2, "3343.73"),
+            (110.44, 2, "110.44"),
+            (-1000.0, 2, "-1000.00"),
+            (0.0, 0, "0"),
+            (-0.0, 1, "-0.0"),
+            (-0.001, 2, "-0.00"),
+            (0.5, 0, "0"),
+            (1.5, 0, "2"),
+            (2.5, 0, "2"),
+            (2.500_001, 0, "3"),
+            (0.125, 2, "0.12"),
+            (0.375, 2, "0.38"),
+            (9.999, 2, "10.00"),
+            (999_999.94, 1, "999999.9"),
+            (999_999_940.0, 0, "999999936"),
+            (f32::MAX, 1, "340282346638528859811704183484516925440.0"),
+            (f32::MIN_POSITIVE, 9, "0.000000000"),
+            (1e-9, 9, "0.000000001"),
+            (6e-10, 9, "0.000000001"),
+            (4.999e-10, 9, "0.000000000"),
+        ] {
+            assert_eq!(fixed(value, decimals), expected);
+        }
+    }
+
+    #[test]
+    fn as_the_standard_librarys() {
+        let edges = (0..=0x1FF).flat_map(|top: u32| [0, 1, 0x3F_FFFF, 0x40_0000, 0x7F_FFFF].map(|low| top << 23 | low));
+        let spread = (0..20_000_u32).map(|step| step.wrapping_mul(0x9E37_79B9));
+        // Ties at each number of decimals: few bits behind the point.
+        let ties = (0..4096_u16).map(|steps| (f32::from(steps) / 1024.0).to_bits());
+        for bits in edges.chain(spread).chain(ties) {
+            let value = f32::from_bits(bits);
+            if value.is_finite() {
+                for decimals in 0..=DECIMALS_MAX {
+                    assert_eq!(
+                        fixed(value, decimals),
+                        std::format!("{value:.*}", usize::from(decimals)),
+                        "{bits:#010x}"
+                    );
+                }
+            }
+        }
+    }
+}
