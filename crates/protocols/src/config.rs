@@ -31,4 +31,4 @@ const _: () = assert!(1 <= GX_QUEUE_MAX && GX_QUEUE_MAX <= 255, "GX_QUEUE_MAX mu
 const _: () = assert!(1 <= GX_WINDOW_MAX && GX_WINDOW_MAX <= 255, "GX_WINDOW_MAX must be between 1 and 255");
 
 /// Whether code may be spent on speed: on hosts, yes; where flash is counted in bytes, the plain way must do.
-pub const FAST: bool = cfg!(target_pointer_width = "64");
+pub const FAST: bool = crate::bytes::WIDE;

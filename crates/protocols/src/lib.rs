@@ -21,6 +21,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod bytes;
 pub mod clock;
 pub mod config;
 pub mod counter;

@@ -1,11 +1,11 @@
-//! One frame: `$`, opcode, length, payload, checksum, `:` (specification, section "Message Frame Structure").
-//!
-//! The checksum is the sum modulo 256 of all bytes of the frame but itself (section "Checksum Calculation").
+//! The grammar of frames: `$`, opcode, length, payload, checksum, `:` (specification, section "Message Frame
+//! Structure"). The checksum is the sum modulo 256 of all bytes of the frame but itself (section "Checksum
+//! Calculation").
 
 use core::mem::MaybeUninit;
 
-use super::{Opcode, bytes, ring};
-use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
+use super::Opcode;
+use crate::bytes;
 
 /// The first byte of every frame.
 pub const FRAME_START: u8 = b'$';
@@ -13,10 +13,167 @@ pub const FRAME_START: u8 = b'$';
 pub const FRAME_END: u8 = b':';
 /// Bytes of a frame before its payload: start, opcode, length.
 pub const FRAME_HEAD: usize = 3;
-/// Bytes of a frame that are not payload: the head, checksum and end.
+/// Bytes of a frame that are not payload: the head, checksum and end. The shortest frame has no more.
 pub const FRAME_OVERHEAD: usize = 5;
-/// Bytes of the longest frame.
-pub const FRAME_MAX: usize = DP_DATA_MAX_SIZE.wrapping_add(FRAME_OVERHEAD);
+
+/// A frame that was found intact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// What the frame is: always a known opcode.
+    pub opcode: Opcode,
+    /// What it carries.
+    pub payload: &'a [u8],
+}
+
+/// What stands at a place in a stream of bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It may be a frame: to tell more takes so many bytes, counted from the place.
+    Needs(usize),
+    /// A frame of `length + FRAME_OVERHEAD` bytes, of which `length` are payload.
+    Frame {
+        /// What the frame is.
+        opcode: Opcode,
+        /// Bytes of its payload.
+        length: usize,
+    },
+    /// No frame starts there.
+    Fault(Fault),
+}
+
+/// Why no frame starts at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The byte is not [`FRAME_START`].
+    Start,
+    /// The opcode is unknown.
+    Opcode,
+    /// The payload would be too long.
+    Length,
+    /// The byte behind the checksum is not [`FRAME_END`].
+    End,
+    /// All is right but the checksum.
+    Checksum,
+}
+
+/// Why there is no frame to deliver: more bytes are needed, and...
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoFrame {
+    /// ...all that are there may be part of a frame.
+    Waiting,
+    /// ...some that can't be part of a frame were thrown away.
+    Garbage,
+}
+
+/// Bytes in up to two pieces, as a ring has them; of one piece, `rest` is empty.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pieces<'a> {
+    /// The bytes that come first.
+    pub first: &'a [u8],
+    /// Those behind them.
+    pub rest: &'a [u8],
+}
+
+impl<'a> Pieces<'a> {
+    /// Number of bytes.
+    #[inline(always)]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.first.len().wrapping_add(self.rest.len())
+    }
+
+    /// Whether there is no byte.
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The byte at that place.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, place: usize) -> Option<u8> {
+        self.first.get(place).or_else(|| self.rest.get(place.wrapping_sub(self.first.len()))).copied()
+    }
+
+    /// The `length` bytes from `begin` on, as far as there are so many.
+    #[inline(always)]
+    #[must_use]
+    pub fn part(&self, begin: usize, length: usize) -> Self {
+        match self.first.get(begin..) {
+            Some(first) => match first.get(..length) {
+                Some(first) => Self { first, rest: &[] },
+                None => Self { first, rest: up_to(self.rest, length.wrapping_sub(first.len())) },
+            },
+            None => {
+                let rest = self.rest.get(begin.wrapping_sub(self.first.len())..).unwrap_or_default();
+                Self { first: up_to(rest, length), rest: &[] }
+            }
+        }
+    }
+}
+
+impl<'a> From<&'a [u8]> for Pieces<'a> {
+    #[inline(always)]
+    fn from(first: &'a [u8]) -> Self {
+        Self { first, rest: &[] }
+    }
+}
+
+#[inline(always)]
+fn up_to(bytes: &[u8], length: usize) -> &[u8] {
+    bytes.get(..length).unwrap_or(bytes)
+}
+
+/// Judges what the bytes begin with, where a payload has at most `longest` bytes. A candidate is given up as soon as a
+/// byte of it is wrong; but for its checksum, which costs much and is looked at when all else is right.
+///
+/// ```
+/// use deltarobot_protocols::deltarobot::{Fault, Opcode, Verdict, judge};
+///
+/// let judge = |bytes: &[u8]| judge(bytes.into(), 32);
+/// assert_eq!(judge(b"$"), Verdict::Needs(2));
+/// assert_eq!(judge(b"$A\x01M"), Verdict::Needs(6));
+/// assert_eq!(judge(b"$A\x01M\xED:..."), Verdict::Frame { opcode: Opcode::ACK, length: 1 });
+/// assert_eq!(judge(b"$A\x01M\xEE:"), Verdict::Fault(Fault::Checksum));
+/// assert_eq!(judge(b"$a"), Verdict::Fault(Fault::Opcode));
+/// ```
+#[inline(always)]
+#[must_use]
+pub fn judge(bytes: Pieces<'_>, longest: usize) -> Verdict {
+    match bytes.get(0) {
+        None => return Verdict::Needs(1),
+        Some(FRAME_START) => {}
+        Some(_) => return Verdict::Fault(Fault::Start),
+    }
+    let Some(opcode) = bytes.get(1).map(Opcode) else { return Verdict::Needs(2) };
+    if !opcode.is_known() {
+        return Verdict::Fault(Fault::Opcode);
+    }
+    let Some(length) = bytes.get(2).map(usize::from) else { return Verdict::Needs(3) };
+    if length > longest {
+        return Verdict::Fault(Fault::Length);
+    }
+    let Some(end) = bytes.get(length.wrapping_add(4)) else {
+        return Verdict::Needs(length.wrapping_add(FRAME_OVERHEAD));
+    };
+    if end != FRAME_END {
+        return Verdict::Fault(Fault::End);
+    }
+    let payload = bytes.part(FRAME_HEAD, length);
+    let sum = bytes::add_up(bytes::add_up(sum_of_head(opcode, length), payload.first), payload.rest);
+    if bytes.get(length.wrapping_add(FRAME_HEAD)) != Some(sum) {
+        return Verdict::Fault(Fault::Checksum);
+    }
+    Verdict::Frame { opcode, length }
+}
+
+/// What start, opcode, length and end of a frame add to its checksum.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the length is a byte of the frame")]
+const fn sum_of_head(opcode: Opcode, length: usize) -> u8 {
+    const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length as u8)
+}
 
 /// A byte of the memory that frames and payloads are written to, which need not be initialised.
 pub trait Place: Copy {
@@ -38,84 +195,20 @@ impl Place for MaybeUninit<u8> {
     }
 }
 
-/// A frame that was found intact, seen where it lies in the ring.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
-    /// What the frame is: always a known opcode.
-    pub opcode: Opcode,
-    /// What it carries, at most [`DP_DATA_MAX_SIZE`] bytes.
-    pub payload: Payload<'a>,
-}
-
-/// The payload of a received frame, which may lie across the ring's end.
-#[derive(Clone, Copy, Debug)]
-pub struct Payload<'a> {
-    pub(super) ring: &'a [u8; DP_BUFSIZE],
-    pub(super) begin: usize,
-    pub(super) length: usize,
-}
-
-impl Payload<'_> {
-    /// Number of bytes.
-    #[inline]
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.length
-    }
-
-    /// Whether there is no payload.
-    #[inline]
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.length == 0
-    }
-
-    /// The bytes in their order.
-    #[inline(always)]
-    pub fn iter(&self) -> impl Iterator<Item = u8> {
-        (0..self.length).map(|offset| {
-            self.ring.get(super::ring::wrap(self.begin.wrapping_add(offset))).copied().unwrap_or_default()
-        })
-    }
-
-    /// Copies as many bytes as fit, and leaves the rest of `out` as it is.
-    #[inline(always)]
-    pub fn copy_to<P: Place>(&self, out: &mut [P]) {
-        if FAST {
-            if let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
-                return bytes::copy(payload, out, P::of);
-            }
-            let (first, rest) = ring::pieces(self.ring, self.begin, self.length);
-            bytes::copy(first, out, P::of);
-            return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), P::of);
-        }
-        for (place, byte) in out.iter_mut().zip(self.iter()) {
-            *place = P::of(byte);
-        }
-    }
-}
-
-/// Writes the frame of `opcode` and `payload` to the beginning of `out` and tells its length in bytes, 5 to
-/// [`FRAME_MAX`]; `None` when it does not fit or the payload is longer than [`DP_DATA_MAX_SIZE`].
+/// Writes the frame of `opcode` and `payload` to the beginning of `out` and returns its length in bytes; `None` when it
+/// does not fit or the payload is longer than 255 bytes. The opcode is not checked.
 #[inline(always)]
 pub fn encode<P: Place>(opcode: Opcode, payload: &[u8], out: &mut [P]) -> Option<usize> {
-    let length = u8::try_from(payload.len()).ok().filter(|_| payload.len() <= DP_DATA_MAX_SIZE)?;
+    let length = u8::try_from(payload.len()).ok()?;
     let [place_of_start, place_of_opcode, place_of_length, rest @ ..] = out else { return None };
     (*place_of_start, *place_of_opcode, *place_of_length) = (P::of(FRAME_START), P::of(opcode.0), P::of(length));
-    let mut sum = const { FRAME_START.wrapping_add(FRAME_END) }.wrapping_add(opcode.0).wrapping_add(length);
+    let mut sum = sum_of_head(opcode, payload.len());
     let (places, behind) = rest.split_at_mut_checked(payload.len())?;
     let [place_of_sum, place_of_end, ..] = behind else { return None };
-    if FAST {
-        // Most frames have none.
-        if !payload.is_empty() {
-            sum = bytes::add_up(sum, payload);
-            bytes::copy(payload, places, P::of);
-        }
-    } else {
-        for (place, byte) in places.iter_mut().zip(payload) {
-            *place = P::of(*byte);
-            sum = sum.wrapping_add(*byte);
-        }
+    // Most frames have none.
+    if !payload.is_empty() {
+        sum = bytes::add_up(sum, payload);
+        bytes::copy(payload, places, P::of);
     }
     (*place_of_sum, *place_of_end) = (P::of(sum), P::of(FRAME_END));
     Some(payload.len().wrapping_add(FRAME_OVERHEAD))

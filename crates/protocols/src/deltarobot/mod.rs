@@ -1,41 +1,43 @@
 //! The deltarobot message format (specification v1.0): frames and the ring they are found in.
 //!
-//! Bytes from the wire go into a [`Ring`], which gives back a [`Frame`] at a time; [`encode`] makes the bytes of a
-//! frame. The sessions of both ends are [`host`] and [`controller`].
+//! Bytes from the wire go into a [`Receiver`], which gives back a [`Frame`] at a time; [`encode`] makes the bytes of a
+//! frame. The sessions of both ends are [`host`] and [`controller`]. The grammar itself is [`judge`].
 //!
 //! ```
-//! use deltarobot_protocols::deltarobot::{FRAME_MAX, Layout, Message, Opcode, Ring, encode};
+//! use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, Receiver, encode, receiver_room};
 //!
-//! let mut room = [0; FRAME_MAX];
+//! let mut room = [0; 16];
 //! let length = encode(Opcode::ACK, b"M", &mut room).unwrap();
 //! assert_eq!(room[..length], *b"$A\x01M\xED:");
 //!
-//! let mut ring = Ring::new();
-//! ring.append(&room[..length]).unwrap();
-//! let frame = ring.next_frame().unwrap();
-//! assert_eq!(frame.opcode, Opcode::ACK);
-//! assert!(frame.payload.iter().eq(*b"M"));
-//! assert_eq!(Message::of_frame(&frame, Layout::Auto), Some(Message::Ack(Opcode::MOVE)));
+//! let mut receiver = Receiver::<{ receiver_room(32) }>::new();
+//! let mut input = &room[..length];
+//! let frame = receiver.next_of(&mut input).unwrap();
+//! let message = Message::read(frame.opcode, frame.payload, Layout::Auto);
+//! assert_eq!(message, Some(Message::Ack(Opcode::MOVE)));
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod bytes;
 pub mod controller;
 mod frame;
 pub mod host;
 mod opcode;
 mod payload;
 mod position;
+mod receiver;
 mod ring;
 mod search;
 mod shortcut;
 mod sums;
 mod text;
 
-pub use frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START, Frame, Payload, Place, encode};
+pub use frame::{
+    FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Fault, Frame, NoFrame, Pieces, Place, Verdict, encode, judge,
+};
 pub use opcode::Opcode;
 pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
 pub use position::{POSITION_SIZE, Position};
-pub use ring::{NoFrame, Overflow, Ring, RingByte};
+pub use receiver::{Full, Observer, Receiver, receiver_room};
+pub use ring::{FRAME_MAX, Overflow, Ring, RingByte, RingFrame};
 pub use shortcut::{Glance, Proof};
 pub use text::{TEXT_MAX, describe};

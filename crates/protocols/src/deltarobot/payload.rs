@@ -1,6 +1,6 @@
 //! What a frame says: an opcode and its payload as one value (specification, section "Opcodes").
 
-use super::{Frame, Opcode, POSITION_SIZE, Place, Position, encode};
+use super::{Opcode, POSITION_SIZE, Place, Position, RingFrame, encode};
 
 /// Bytes of the longest payload that is written: a status report as shipped firmware sends it.
 pub const PAYLOAD_MAX: usize = 16;
@@ -112,7 +112,7 @@ impl Message {
     /// What a received frame means; `None` when the length is wrong for the opcode.
     #[inline]
     #[must_use]
-    pub fn of_frame(frame: &Frame<'_>, layout: Layout) -> Option<Self> {
+    pub fn of_frame(frame: &RingFrame<'_>, layout: Layout) -> Option<Self> {
         let mut head = [0; PAYLOAD_MAX];
         Self::head(frame, &mut head);
         Self::parse(frame.opcode, &head, frame.payload.len(), layout)
@@ -120,7 +120,7 @@ impl Message {
 
     /// Copies the beginning of a frame's payload. Nothing further on means anything.
     #[inline]
-    pub(super) fn head(frame: &Frame<'_>, head: &mut [u8; PAYLOAD_MAX]) {
+    pub(super) fn head(frame: &RingFrame<'_>, head: &mut [u8; PAYLOAD_MAX]) {
         put(head, frame.payload.iter());
     }
 

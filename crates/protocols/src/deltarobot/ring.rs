@@ -3,8 +3,10 @@
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::{Opcode, bytes};
+use super::NoFrame;
+use super::Opcode;
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Place};
+use crate::bytes;
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE, FAST};
 
 /// A byte of the ring; C calls it `char`.
@@ -37,18 +39,67 @@ const _: () = {
     assert!(size_of::<Ring>() == STORAGE + 2 * INT && align_of::<Ring>() == align_of::<c_int>());
 };
 
+/// Bytes of the longest frame.
+pub const FRAME_MAX: usize = DP_DATA_MAX_SIZE.wrapping_add(FRAME_OVERHEAD);
+
+/// A frame that was found intact, seen where it lies in the ring.
+#[derive(Clone, Copy, Debug)]
+pub struct RingFrame<'a> {
+    /// What the frame is: always a known opcode.
+    pub opcode: Opcode,
+    /// What it carries, at most [`DP_DATA_MAX_SIZE`] bytes.
+    pub payload: Payload<'a>,
+}
+
+/// The payload of a received frame, which may lie across the ring's end.
+#[derive(Clone, Copy, Debug)]
+pub struct Payload<'a> {
+    pub(super) ring: &'a [u8; DP_BUFSIZE],
+    pub(super) begin: usize,
+    pub(super) length: usize,
+}
+
+impl Payload<'_> {
+    /// Number of bytes.
+    #[inline]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Whether there is no payload.
+    #[inline]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// The bytes in their order.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = u8> {
+        (0..self.length).map(|offset| self.ring.get(wrap(self.begin.wrapping_add(offset))).copied().unwrap_or_default())
+    }
+
+    /// Copies as many bytes as fit, and leaves the rest of `out` as it is.
+    #[inline(always)]
+    pub fn copy_to<P: Place>(&self, out: &mut [P]) {
+        if FAST {
+            if let Some(payload) = self.ring.get(self.begin..self.begin.wrapping_add(self.length)) {
+                return bytes::copy(payload, out, P::of);
+            }
+            let (first, rest) = pieces(self.ring, self.begin, self.length);
+            bytes::copy(first, out, P::of);
+            return bytes::copy(rest, out.get_mut(first.len()..).unwrap_or_default(), P::of);
+        }
+        for (place, byte) in out.iter_mut().zip(self.iter()) {
+            *place = P::of(byte);
+        }
+    }
+}
+
 /// Bytes were lost for want of room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Overflow;
-
-/// Why there is no frame: more bytes are needed, and...
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoFrame {
-    /// ...all that are there may be part of a frame.
-    Waiting,
-    /// ...some that can't be part of a frame were thrown away.
-    Garbage,
-}
 
 impl Ring {
     /// An empty ring.
@@ -116,7 +167,7 @@ impl Ring {
     /// # Errors
     ///
     /// [`NoFrame`] when more bytes are needed.
-    pub fn next_frame(&mut self) -> Result<Frame<'_>, NoFrame> {
+    pub fn next_frame(&mut self) -> Result<RingFrame<'_>, NoFrame> {
         self.search(false)
     }
 
@@ -126,13 +177,13 @@ impl Ring {
     /// # Errors
     ///
     /// [`NoFrame`] when there is no frame in the ring, which is empty now.
-    pub fn next_frame_idle(&mut self) -> Result<Frame<'_>, NoFrame> {
+    pub fn next_frame_idle(&mut self) -> Result<RingFrame<'_>, NoFrame> {
         self.search(true)
     }
 
     /// Looks for the next frame.
     #[inline(always)]
-    pub fn search(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
+    pub fn search(&mut self, idle: bool) -> Result<RingFrame<'_>, NoFrame> {
         if FAST {
             return self.search_fast(idle);
         }
@@ -150,7 +201,7 @@ impl Ring {
             used = used.wrapping_sub(taken);
             (self.start, self.used) = (int(start), int(used));
             if let Ok((opcode, length)) = candidate {
-                return Ok(Frame { opcode, payload: Payload { ring: &self.bytes, begin, length } });
+                return Ok(RingFrame { opcode, payload: Payload { ring: &self.bytes, begin, length } });
             }
             none = NoFrame::Garbage;
         }

@@ -1,10 +1,11 @@
 //! The search for frames on hosts, which finds what the plain one in `ring.rs` does, with fewer instructions and in a
 //! time that grows with the ring's size alone.
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, Payload};
-use super::ring::{NoFrame, Ring, int, pieces, wrap};
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START};
+use super::ring::{Payload, Ring, RingFrame, int, pieces, wrap};
 use super::sums::Sums;
-use super::{Opcode, bytes};
+use super::{NoFrame, Opcode};
+use crate::bytes;
 use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
 /// How many bytes a candidate needs to be judged, by the bytes of its head; in place of [`Opcode::is_known`], which
@@ -65,7 +66,7 @@ impl Ring {
 
     /// What [`search`](Ring::search) does, in a time that grows with the ring's size alone.
     #[inline(always)]
-    pub(super) fn search_fast(&mut self, idle: bool) -> Result<Frame<'_>, NoFrame> {
+    pub(super) fn search_fast(&mut self, idle: bool) -> Result<RingFrame<'_>, NoFrame> {
         let (mut start, all) = self.healed();
         let mut used = all;
         let mut sums = Sums::default();
@@ -111,10 +112,13 @@ impl Ring {
 
     /// Takes the frame at `start` out of the ring, which has `used` bytes from there on.
     #[inline(always)]
-    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, size: usize) -> Frame<'_> {
+    fn take_out(&mut self, start: usize, used: usize, opcode: Opcode, size: usize) -> RingFrame<'_> {
         let length = size.wrapping_sub(FRAME_OVERHEAD);
         (self.start, self.used) = (int(wrap(start.wrapping_add(size))), int(used.wrapping_sub(size)));
-        Frame { opcode, payload: Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length } }
+        RingFrame {
+            opcode,
+            payload: Payload { ring: &self.bytes, begin: wrap(start.wrapping_add(FRAME_HEAD)), length },
+        }
     }
 
     /// Whether the checksum of a complete candidate is right.

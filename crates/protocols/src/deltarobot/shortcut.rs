@@ -4,10 +4,11 @@
 //! What they know comes from the fields as they are, in range or not, and from bytes that may be stale. So each answer
 //! rests on a check of `used` that leaves no other reading.
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD, FRAME_START};
-use super::ring::{Ring, int, wrap};
+use super::Opcode;
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START};
+use super::ring::{FRAME_MAX, Ring, int, wrap};
 use super::search::{intact, needed};
-use super::{Opcode, bytes};
+use crate::bytes;
 use crate::config::DP_BUFSIZE;
 
 /// What a ring starts with, when a glance is enough to tell.
@@ -150,7 +151,7 @@ mod tests {
 
     use super::{DP_BUFSIZE, FRAME_MAX, Glance, Opcode, Proof, Ring, int, wrap};
     use crate::config::DP_DATA_MAX_SIZE;
-    use crate::deltarobot::{Frame, NoFrame};
+    use crate::deltarobot::{NoFrame, RingFrame};
 
     const FULL: i32 = super::int(DP_BUFSIZE);
 
@@ -167,7 +168,7 @@ mod tests {
         outcome(&ring, answer)
     }
 
-    fn unpacked(answer: Result<Frame<'_>, NoFrame>) -> Result<(u8, Vec<u8>), NoFrame> {
+    fn unpacked(answer: Result<RingFrame<'_>, NoFrame>) -> Result<(u8, Vec<u8>), NoFrame> {
         answer.map(|frame| (frame.opcode.0, frame.payload.iter().collect()))
     }
 

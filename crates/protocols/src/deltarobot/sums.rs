@@ -1,8 +1,9 @@
 //! The checksums of candidates that overlap, on hosts.
 
-use super::frame::{FRAME_END, FRAME_HEAD, FRAME_MAX, FRAME_OVERHEAD};
-use super::ring::{Ring, pieces};
-use super::{Opcode, bytes};
+use super::Opcode;
+use super::frame::{FRAME_END, FRAME_HEAD, FRAME_OVERHEAD};
+use super::ring::{FRAME_MAX, Ring, pieces};
+use crate::bytes;
 
 /// Bytes that are summed ahead: more are a waste in small rings, of fewer more are summed again.
 const AHEAD: usize = FRAME_MAX.wrapping_mul(4);

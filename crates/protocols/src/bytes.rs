@@ -1,18 +1,21 @@
-//! Summing and copying bytes, on hosts eight at a time.
+//! Summing, copying and finding bytes: the only place where code differs between targets. On hosts blocks of bytes are
+//! taken at a time, elsewhere one byte; `--cfg small_leaves` has hosts do that too, for tests.
 //!
 //! The standard copies become calls of memcpy, which the library does without (see the crate's `no_builtins`).
 
-use crate::config::FAST;
+/// Whether blocks are taken at a time.
+pub const WIDE: bool = cfg!(all(target_pointer_width = "64", not(small_leaves)));
 
 /// Bytes taken at a time where there are so many, and where there are fewer.
-pub(super) const BLOCK: usize = 16;
+pub(crate) const BLOCK: usize = 16;
 const WORD: usize = 8;
 const HALF: usize = 4;
 
 /// Adds the bytes to a sum modulo 256.
 #[inline(always)]
-pub(super) fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
-    if FAST {
+#[must_use]
+pub fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
+    if WIDE {
         while bytes.len() > 2 * BLOCK
             && let Some((blocks, rest)) = bytes.split_first_chunk::<{ 2 * BLOCK }>()
         {
@@ -57,7 +60,7 @@ fn add_up_ends<const N: usize>(bytes: &[u8]) -> u8 {
 pub fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
     let length = from.len().min(to.len());
     let (Some(mut from), Some(mut to)) = (from.get(..length), to.get_mut(..length)) else { return };
-    if FAST {
+    if WIDE {
         while from.len() > 2 * BLOCK {
             let (Some((block, rest)), Some((place, places))) =
                 (from.split_first_chunk::<BLOCK>(), to.split_first_chunk_mut::<BLOCK>())
@@ -93,6 +96,13 @@ fn copy_ends<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> 
     if let Some(place) = to.last_chunk_mut::<N>() {
         *place = last;
     }
+}
+
+/// Where the byte is found first.
+#[inline(always)]
+#[must_use]
+pub fn find(byte: u8, bytes: &[u8]) -> Option<usize> {
+    bytes.iter().position(|other| *other == byte)
 }
 
 #[cfg(test)]
