@@ -227,6 +227,25 @@ fn sizes_block(sizes: &[Size], family: &str) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
+/// A copy of a source file in which what `#[export(..)]` does to functions is written as cbindgen understands it.
+fn exports_marked(source: &str) -> Result<String, Box<dyn Error>> {
+    let text = fs::read_to_string(format!("{}/{source}", env::var("CARGO_MANIFEST_DIR")?))?;
+    let mut pieces = text.split("#[export");
+    let mut marked = String::from(pieces.next().unwrap_or_default());
+    for piece in pieces {
+        let (family, function) = piece.split_once(']').ok_or("#[export without an end")?;
+        let name = function.split_once(" fn ").and_then(|(_, rest)| rest.split('(').next()).unwrap_or_default();
+        let family = family.trim_matches(['(', ')']).to_uppercase();
+        if !family.is_empty() {
+            write!(marked, "///\n/// cbindgen:postfix={family}_SIZED(\"{name}\")\n")?;
+        }
+        write!(marked, "#[unsafe(no_mangle)]{function}")?;
+    }
+    let copy = format!("{}/{}", env::var("OUT_DIR")?, source.replace('/', "-"));
+    fs::write(&copy, marked)?;
+    Ok(copy)
+}
+
 /// Leaves a header that is as it should be alone, for the sake of those who make things depend on it.
 fn write_if_new(path: &Path, text: &str) -> std::io::Result<()> {
     if fs::read(path).is_ok_and(|old| old == text.as_bytes()) { Ok(()) } else { fs::write(path, text) }
@@ -249,9 +268,10 @@ fn header(path: &str, module: &str, types: &[&str], sizes: &[Size]) -> Result<St
         config.after_includes.map(|text| format!("{text}\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n"));
     config.trailer = Some("\n#ifdef __cplusplus\n}\n#endif\n\n#endif".into());
 
-    let mut builder = cbindgen::Builder::new().with_config(config).with_src(format!("{manifest}/src/{module}.rs"));
+    let mut builder =
+        cbindgen::Builder::new().with_config(config).with_src(exports_marked(&format!("src/{module}.rs"))?);
     for source in types {
-        builder = builder.with_src(format!("{manifest}/{source}"));
+        builder = builder.with_src(exports_marked(source)?);
     }
     let mut text = Vec::new();
     builder.generate()?.write(&mut text);

@@ -138,10 +138,6 @@ typedef uint8_t CPPacked28[4];
  * if (PackCPVectorCommand(&buffer, &command) == CPResult_ok)
  *     uart_write(&uart, buffer.bytes, buffer.length);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
                         CPVectorCommand *command);
@@ -159,10 +155,6 @@ int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
  * if (UnpackCPVectorCommand(&buffer, &command) == CPResult_ok && (command.axisMask & CPMask_x) != 0)
  *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
                           CPVectorCommand *command);
@@ -180,10 +172,6 @@ int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
  * if (PackCPShortVectorCommand(&buffer, &deltas) == CPResult_ok)
  *     uart_write(&uart, buffer.bytes, buffer.length);
  * ```
- *
- * # Safety
- *
- * As for PackCPVectorCommand.
  */
 int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
                              CPVectorCommand *command);
@@ -194,6 +182,8 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
  *
  * The posted code took any bytes for a command, and let the sum overflow.
  *
+ * command's positions are set.
+ *
  * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
  * `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
  * NULL.
@@ -202,10 +192,6 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
  * if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
  *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. command's positions are set.
  */
 int UnpackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
                                CPVectorCommand *command);

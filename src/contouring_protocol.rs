@@ -2,12 +2,11 @@
 //! `ContouringProtocol.h` and `.c`).
 //!
 //! What they do otherwise than the code that was posted is said at each of them.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
+use deltarobot_export::export;
 use deltarobot_protocols::gx::{
     CommandReceiver, EncodeError, Format, Item, MASK_AXES, Message, Vector, write_move, write_step,
 };
@@ -84,11 +83,7 @@ const _: () = {
 /// if (PackCPVectorCommand(&buffer, &command) == CPResult_ok)
 ///     uart_write(&uart, buffer.bytes, buffer.length);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn PackCPVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
@@ -109,11 +104,7 @@ pub unsafe extern "C" fn PackCPVectorCommand(
 /// if (UnpackCPVectorCommand(&buffer, &command) == CPResult_ok && (command.axisMask & CPMask_x) != 0)
 ///     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn UnpackCPVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
@@ -134,11 +125,7 @@ pub unsafe extern "C" fn UnpackCPVectorCommand(
 /// if (PackCPShortVectorCommand(&buffer, &deltas) == CPResult_ok)
 ///     uart_write(&uart, buffer.bytes, buffer.length);
 /// ```
-///
-/// # Safety
-///
-/// As for PackCPVectorCommand.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn PackCPShortVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
@@ -152,6 +139,8 @@ pub unsafe extern "C" fn PackCPShortVectorCommand(
 ///
 /// The posted code took any bytes for a command, and let the sum overflow.
 ///
+/// command's positions are set.
+///
 /// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
 /// `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
 /// NULL.
@@ -160,11 +149,7 @@ pub unsafe extern "C" fn PackCPShortVectorCommand(
 /// if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
 ///     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. command's positions are set.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn UnpackCPShortVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,

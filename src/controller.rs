@@ -1,6 +1,4 @@
 //! `controller.h`: the dispatcher of a controller's firmware.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_void};
 use core::mem::{align_of, offset_of, size_of};
@@ -9,7 +7,7 @@ use super::memory::{bytes_of, zero};
 use super::payload::layout_of;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_OVERFLOW, DP_RC_SUCCESS};
 use super::protocol::{Position, SendFunc, StatusReport};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::controller::Dispatcher;
 use deltarobot_protocols::deltarobot::{Layout, PAYLOAD_MAX, Ring};
@@ -114,6 +112,8 @@ const _: () = {
 /// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
 /// 0 for both, it answers like shipped firmware.
 ///
+/// calls' functions can be called with usr; calls stays there as long as the controller is used.
+///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
 /// the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
 /// `DP_LAYOUT_SPEC`).
@@ -123,14 +123,7 @@ const _: () = {
 /// static struct dp_controller controller;
 /// dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. calls' functions can be called with usr; calls
-/// stays there as long as the controller is used.
-///
-/// cbindgen:postfix=DP_SIZED("dp_controller_init")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_controller_init(
     controller: *mut Controller,
     calls: *const Calls,
@@ -152,11 +145,13 @@ pub unsafe extern "C" fn dp_controller_init(
         if is_ready(controller) { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
     }
 }
-sized_alias!(dp_controller_init(controller: *mut Controller, calls: *const Calls, usr: *mut c_void, layout: c_int, flags: c_int) -> c_int);
 
 /// Takes received bytes.
 ///
 /// When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
+///
+/// Not for an interrupt that may come during another call on the controller: there, bytes go into a queue of the
+/// firmware's own.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL,
 /// bytes is negative, or buf is NULL and bytes is not 0.
@@ -166,14 +161,7 @@ sized_alias!(dp_controller_init(controller: *mut Controller, calls: *const Calls
 /// if (dp_controller_receive(&controller, in, got) == DP_RC_OVERFLOW)
 ///     ++losses;
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_controller_poll`. Not for an interrupt that may come during another call on the controller: there, bytes
-/// go into a queue of the firmware's own.
-///
-/// cbindgen:postfix=DP_SIZED("dp_controller_receive")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf: *const c_void, bytes: c_int) -> c_int {
     if controller.is_null() {
         return DP_RC_ERROR_GENERIC;
@@ -186,9 +174,10 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
         None => DP_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(dp_controller_receive(controller: *mut Controller, buf: *const c_void, bytes: c_int) -> c_int);
 
 /// Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+///
+/// controller was made by `dp_controller_init` or is all zero.
 ///
 /// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
 /// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
@@ -197,19 +186,11 @@ sized_alias!(dp_controller_receive(controller: *mut Controller, buf: *const c_vo
 /// while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
 ///     ;
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. controller was made by `dp_controller_init` or
-/// is all zero.
-///
-/// cbindgen:postfix=DP_SIZED("dp_controller_poll")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { poll(controller, false) }
 }
-sized_alias!(dp_controller_poll(controller: *mut Controller) -> c_int);
 
 /// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
 /// be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
@@ -220,18 +201,11 @@ sized_alias!(dp_controller_poll(controller: *mut Controller) -> c_int);
 /// if (now_ms() - heard_at >= 10)
 ///     dp_controller_poll_idle(&controller);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_controller_poll`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_controller_poll_idle")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll_idle(controller: *mut Controller) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { poll(controller, true) }
 }
-sized_alias!(dp_controller_poll_idle(controller: *mut Controller) -> c_int);
 
 /// Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
 ///
@@ -241,13 +215,7 @@ sized_alias!(dp_controller_poll_idle(controller: *mut Controller) -> c_int);
 /// if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
 ///     dp_controller_report(&controller);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_controller_poll`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_controller_report")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -258,7 +226,6 @@ pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_
     }
     DP_RC_SUCCESS
 }
-sized_alias!(dp_controller_report(controller: *mut Controller) -> c_int);
 
 /// Whether a controller was made, so that its functions can be called.
 ///

@@ -1,11 +1,10 @@
 //! `gx.h`: commands and notices of the GX binary vector protocol (source: "Proposed GX Protocol").
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::memory::{bytes_of, int, zero};
+use deltarobot_export::export;
 use deltarobot_protocols::gx::{
     self, CommandReceiver, Contour, Fault, Format, Item, Lost, NoticeReceiver, NumberField, Vector,
 };
@@ -130,11 +129,7 @@ const _: () = {
 /// struct gx_commands commands;
 /// gx_commands_init(&commands);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_commands_init(commands: *mut CommandReceiver) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a receiver.
     unsafe { init(commands) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
@@ -155,11 +150,7 @@ pub unsafe extern "C" fn gx_commands_init(commands: *mut CommandReceiver) -> c_i
 ///     handle_item(&item);
 /// }
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_commands_receive(
     commands: *mut CommandReceiver,
     buf: *const c_void,
@@ -182,11 +173,7 @@ pub unsafe extern "C" fn gx_commands_receive(
 /// if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
 ///     handle_item(&item);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_commands_receive`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_commands_idle(commands: *mut CommandReceiver, item: *mut Item) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (commands.as_mut(), item.as_mut()) } {
@@ -204,11 +191,7 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut CommandReceiver, item: 
 /// struct gx_notices notices;
 /// gx_notices_init(&notices);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_notices_init(notices: *mut NoticeReceiver) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a receiver.
     unsafe { init(notices) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
@@ -229,11 +212,7 @@ pub unsafe extern "C" fn gx_notices_init(notices: *mut NoticeReceiver) -> c_int 
 ///     handle_item(&item);
 /// }
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_commands_receive`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_notices_receive(
     notices: *mut NoticeReceiver,
     buf: *const c_void,
@@ -257,11 +236,7 @@ pub unsafe extern "C" fn gx_notices_receive(
 /// if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
 ///     handle_item(&item);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_commands_receive`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_notices_idle(notices: *mut NoticeReceiver, item: *mut Item) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (notices.as_mut(), item.as_mut()) } {
@@ -282,11 +257,7 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut NoticeReceiver, item: *mu
 /// if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
 ///     printf("x is at %ld\n", (long)position.axes[0]);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (Some(position), Some(item)) = (unsafe { (position.as_mut(), item.as_ref()) }) else {

@@ -1,13 +1,11 @@
 //! `gx_host.h`: the host's end of the GX protocol.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
 use super::memory::{bytes_of, fill, int, long};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::clock::time;
 use deltarobot_protocols::config::GX_WINDOW_MAX;
 use deltarobot_protocols::gx::host::{Event, Health, Host, Outcome, QueueError, Requested, Settings, Window};
@@ -98,13 +96,7 @@ const _: () = {
 /// settings.window = 4;
 /// gx_host_init(&host, &settings);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_init")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a session.
     let (Some(host), settings) = (unsafe { (init(host), settings.as_ref()) }) else {
@@ -115,13 +107,14 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
     }
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 
 /// Requests a move behind those requested before. The end comes as an event.
 ///
 /// target holds `GX_AXES` positions in steps, x first; those that axes, a mask, flags (`1 << GX_AXIS`) are where these
 /// axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
 /// of the move before holds. Without any axis, only the velocity is set.
+///
+/// target is NULL or points to six values.
 ///
 /// Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
 /// `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
@@ -132,13 +125,7 @@ sized_alias!(gx: gx_host_init(host: *mut Host, settings: *const Settings) -> c_i
 /// if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
 ///     puts("first, events have to be fetched");
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`; target is NULL or points to six values.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_move")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (Some(host), Some(target)) = (unsafe { (host.as_mut(), target.cast::<[i32; AXES]>().as_ref()) }) else {
@@ -150,10 +137,11 @@ pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes:
         Some(Err(QueueError::Range)) | None => GX_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(gx: gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int);
 
 /// Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
 /// are asked for again when they stay away.
+///
+/// host was begun by `gx_host_init` or is all zero.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
 ///
@@ -161,13 +149,7 @@ sized_alias!(gx: gx_host_move(host: *mut Host, target: *const i32, axes: c_int, 
 /// if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
 ///     puts("no such period");
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. host was begun by `gx_host_init` or is all zero.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_report")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     match (unsafe { host.as_mut() }, u16::try_from(period_ms)) {
@@ -178,7 +160,6 @@ pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_
         _ => GX_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(gx: gx_host_report(host: *mut Host, period_ms: c_int) -> c_int);
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
@@ -190,13 +171,7 @@ sized_alias!(gx: gx_host_report(host: *mut Host, period_ms: c_int) -> c_int);
 /// for (int taken = 0; taken < got; handle_events(&host))
 ///     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_receive")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
@@ -204,7 +179,6 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
         _ => -GX_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(gx: gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
 /// Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
 /// there is none; what is to be sent after that tells `gx_host_output`.
@@ -218,13 +192,7 @@ sized_alias!(gx: gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_i
 ///     if (event.kind == GX_HOST_ENDED)
 ///         printf("the oldest move: outcome %d\n", event.outcome);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_poll")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
@@ -235,7 +203,6 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     unsafe { write_event(event, happened.as_ref()) };
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
-sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
 
 /// Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
 /// `gx_host_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
@@ -248,13 +215,7 @@ sized_alias!(gx: gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Host
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_output")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }) else {
@@ -264,7 +225,6 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
     let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
     written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
-sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
 /// How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
 /// the output was fetched: what it returns is then what poll(2) takes as time-out.
@@ -274,19 +234,12 @@ sized_alias!(gx: gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, n
 /// ```c
 /// wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_next_deadline")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
     // SAFETY: as the contract of this function asks.
     let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
-sized_alias!(gx: gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
 
 /// How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
 ///
@@ -294,18 +247,11 @@ sized_alias!(gx: gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_
 /// if (gx_host_unfinished(&host) == 0)
 ///     puts("all moves have ended");
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_unfinished")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { host.as_ref() }.map_or(0, |host| host.unfinished().into())
 }
-sized_alias!(gx: gx_host_unfinished(host: *const Host) -> c_int);
 
 /// How the link does: NULL when host is, else counters that live and change with the session.
 ///
@@ -313,13 +259,7 @@ sized_alias!(gx: gx_host_unfinished(host: *const Host) -> c_int);
 /// const struct gx_host_health *health = gx_host_get_health(&host);
 /// printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_host_report`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_host_get_health")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { host.as_ref() } {
@@ -327,7 +267,6 @@ pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health 
         None => core::ptr::null(),
     }
 }
-sized_alias!(gx: gx_host_get_health(host: *const Host) -> *const Health);
 
 /// What `gx_host_move` was given, if it can be a vector.
 fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<Vector> {

@@ -1,6 +1,4 @@
 //! `gx_motion.h`: the motion side of the GX protocol.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{align_of, offset_of, size_of};
@@ -8,7 +6,7 @@ use core::mem::{align_of, offset_of, size_of};
 use super::gx::{GX_FAULT_AXIS, GX_FAULT_CLOSED, GX_FAULT_NUMBERLESS, GX_FAULT_ORDER, GX_FAULT_OWN, GX_FAULT_STOPPED};
 use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
 use super::memory::{bytes_of, fill, int, long};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::clock::time;
 use deltarobot_protocols::config::GX_QUEUE_MAX;
 use deltarobot_protocols::gx::motion::{self, Event, Health, Motion, Queue, Queued, Settings};
@@ -81,13 +79,7 @@ const _: () = {
 /// settings.axes = 1 | 2 | 4;
 /// gx_motion_init(&motion, &settings);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_init")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a motion side.
     let (Some(motion), settings) = (unsafe { (init(motion), settings.as_ref()) }) else {
@@ -98,7 +90,6 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Se
     }
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int);
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
@@ -118,13 +109,7 @@ sized_alias!(gx: gx_motion_init(motion: *mut Motion, settings: *const Settings) 
 /// for (int taken = 0; taken < got; serve(&motion))
 ///     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_receive")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_receive(
     motion: *mut Motion,
     buf: *const c_void,
@@ -137,7 +122,6 @@ pub unsafe extern "C" fn gx_motion_receive(
         _ => -GX_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(gx: gx_motion_receive(motion: *mut Motion, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
 /// Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
 /// there is none.
@@ -150,13 +134,7 @@ sized_alias!(gx: gx_motion_receive(motion: *mut Motion, buf: *const c_void, byte
 /// while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
 ///     printf("event %d\n", event.kind);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_poll")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(motion) = (unsafe { motion.as_mut() }).filter(|_| !event.is_null()) else {
@@ -167,7 +145,6 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     unsafe { write_event(event, happened) };
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
-sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int);
 
 /// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
 /// sets the velocity is no move: it takes effect, and ends, in its turn.
@@ -183,13 +160,7 @@ sized_alias!(gx: gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mu
 /// if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
 ///     motors_start(target.mask, target.axes, target.velocity);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_next")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector, number: *mut c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (Some(motion), Some(room), number) = (unsafe { (motion.as_mut(), r#move.as_mut(), number.as_mut()) }) else {
@@ -204,7 +175,6 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
     }
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_motion_next(motion: *mut Motion, r#move: *mut Vector, number: *mut c_int) -> c_int);
 
 /// Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is told to the host.
 ///
@@ -215,13 +185,7 @@ sized_alias!(gx: gx_motion_next(motion: *mut Motion, r#move: *mut Vector, number
 /// if (motors_have_arrived())
 ///     gx_motion_done(&motion);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_done")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { motion.as_mut() }.map(Motion::done) {
@@ -230,7 +194,6 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
         None => GX_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(gx: gx_motion_done(motion: *mut Motion) -> c_int);
 
 /// Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
 /// the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
@@ -238,19 +201,15 @@ sized_alias!(gx: gx_motion_done(motion: *mut Motion) -> c_int);
 ///
 /// code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
 ///
+/// motion was begun by `gx_motion_init` or is all zero.
+///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
 ///
 /// ```c
 /// if (stop_is_pressed() && motors_stop() == 0)
 ///     gx_motion_stop(&motion, 0);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. motion was begun by `gx_motion_init` or is all zero.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_stop")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_int {
     let code = match u8::try_from(code) {
         Ok(0) => motion::STOPPED,
@@ -264,10 +223,11 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
     motion.stop(code);
     GX_RC_SUCCESS
 }
-sized_alias!(gx: gx_motion_stop(motion: *mut Motion, code: c_int) -> c_int);
 
 /// Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
 /// deltas are added to. position holds `GX_AXES` values in steps, x first.
+///
+/// position is NULL or points to six values.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
 /// nothing changes then.
@@ -277,13 +237,7 @@ sized_alias!(gx: gx_motion_stop(motion: *mut Motion, code: c_int) -> c_int);
 /// motors_count(steps);
 /// gx_motion_set_position(&motion, steps);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`; position is NULL or points to six values.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_set_position")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *const i32) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (Some(motion), Some(position)) = (unsafe { (motion.as_mut(), position.cast::<[i32; AXES]>().as_ref()) }) else {
@@ -291,7 +245,6 @@ pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *
     };
     if motion.set_position(position) { GX_RC_SUCCESS } else { GX_RC_ERROR_GENERIC }
 }
-sized_alias!(gx: gx_motion_set_position(motion: *mut Motion, position: *const i32) -> c_int);
 
 /// Fetches the bytes to send: whole notices and reports, as many as fit; `now_ms` is when they leave. To be called
 /// after `gx_motion_poll`. Room for `GX_ENCODED_MAX` bytes is always enough for one.
@@ -304,13 +257,7 @@ sized_alias!(gx: gx_motion_set_position(motion: *mut Motion, position: *const i3
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_output")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(motion) = (unsafe { motion.as_mut() }) else {
@@ -320,7 +267,6 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
     let written = unsafe { fill(buf, cap, |frame, room| motion.output(frame, room, time(now_ms))) };
     written.unwrap_or(-GX_RC_ERROR_GENERIC)
 }
-sized_alias!(gx: gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
 /// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
 /// are no events left and the output was fetched.
@@ -330,19 +276,12 @@ sized_alias!(gx: gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_
 /// ```c
 /// wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_next_deadline")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_next_deadline(motion: *const Motion, now_ms: c_ulong) -> c_long {
     // SAFETY: as the contract of this function asks.
     let left = unsafe { motion.as_ref() }.and_then(|motion| motion.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
-sized_alias!(gx: gx_motion_next_deadline(motion: *const Motion, now_ms: c_ulong) -> c_long);
 
 /// How many moves are queued or being carried out; 0 also when motion is NULL.
 ///
@@ -350,18 +289,11 @@ sized_alias!(gx: gx_motion_next_deadline(motion: *const Motion, now_ms: c_ulong)
 /// if (gx_motion_unfinished(&motion) == 0)
 ///     motors_stop();
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_unfinished")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { motion.as_ref() }.map_or(0, |motion| motion.unfinished().into())
 }
-sized_alias!(gx: gx_motion_unfinished(motion: *const Motion) -> c_int);
 
 /// What was seen: NULL when motion is, else counters that live and change with it.
 ///
@@ -369,13 +301,7 @@ sized_alias!(gx: gx_motion_unfinished(motion: *const Motion) -> c_int);
 /// const struct gx_motion_health *health = gx_motion_get_health(&motion);
 /// printf("%lu moves, %lu refused\n", health->moves, health->refused);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_motion_stop`.
-///
-/// cbindgen:postfix=GX_SIZED("gx_motion_get_health")
-#[unsafe(no_mangle)]
+#[export(gx)]
 pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { motion.as_ref() } {
@@ -383,7 +309,6 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const H
         None => core::ptr::null(),
     }
 }
-sized_alias!(gx: gx_motion_get_health(motion: *const Motion) -> *const Health);
 
 /// # Safety
 ///

@@ -1,6 +1,4 @@
 //! `host.h`: the host's end of the link.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
@@ -8,7 +6,7 @@ use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 use super::memory::{bytes_of, fill, int, long, zero};
 use super::payload::position_from;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::clock::time;
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::host::{Busy, Health, Host, Link, Request, Settings};
@@ -81,13 +79,7 @@ const _: () = {
 /// settings.messages = 1;
 /// dp_host_init(&host, &settings);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_init")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
     if host.is_null() {
         return DP_RC_ERROR_GENERIC;
@@ -101,9 +93,10 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const Settings
     }
     DP_RC_SUCCESS
 }
-sized_alias!(dp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 
 /// Requests homing. The end comes as an event.
+///
+/// host was begun by `dp_host_init` or is all zero.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
@@ -111,19 +104,11 @@ sized_alias!(dp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 /// if (dp_host_home(&host) == DP_RC_BUSY)
 ///     puts("first, DP_HOST_ENDED has to come");
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. host was begun by `dp_host_init` or is all
-/// zero.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_home")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
     // SAFETY: as the contract of this function asks.
     result(unsafe { host.as_mut() }.map(Host::home))
 }
-sized_alias!(dp_host_home(host: *mut Host) -> c_int);
 
 /// Requests a move to a position. The end comes as an event.
 ///
@@ -135,13 +120,7 @@ sized_alias!(dp_host_home(host: *mut Host) -> c_int);
 /// if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
 ///     puts("no robot can go there");
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_move")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) -> c_int {
     // SAFETY: as the contract of this function asks.
     let target =
@@ -152,7 +131,6 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
         _ => DP_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(dp_host_move(host: *mut Host, target: *const Position) -> c_int);
 
 /// Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
 /// the operation when the platform stands. Without an operation it is requested all the same.
@@ -164,18 +142,11 @@ sized_alias!(dp_host_move(host: *mut Host, target: *const Position) -> c_int);
 /// if (stop_is_pressed())
 ///     dp_host_cancel(&host);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_cancel")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
     // SAFETY: as the contract of this function asks.
     result(unsafe { host.as_mut() }.map(Host::cancel))
 }
-sized_alias!(dp_host_cancel(host: *mut Host) -> c_int);
 
 /// Requests a status report. It ends with the next report that is received.
 ///
@@ -186,18 +157,11 @@ sized_alias!(dp_host_cancel(host: *mut Host) -> c_int);
 /// if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
 ///     asked_at = now_ms();
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_status")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
     // SAFETY: as the contract of this function asks.
     result(unsafe { host.as_mut() }.map(Host::status))
 }
-sized_alias!(dp_host_status(host: *mut Host) -> c_int);
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
@@ -210,13 +174,7 @@ sized_alias!(dp_host_status(host: *mut Host) -> c_int);
 /// for (int taken = 0; taken < got; handle_events(&host))
 ///     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_receive")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
@@ -224,7 +182,6 @@ pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, by
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
-sized_alias!(dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
 /// Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
 /// there is none; what is to be sent after that tells `dp_host_output`.
@@ -238,13 +195,7 @@ sized_alias!(dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, 
 ///     if (event.kind == DP_HOST_ENDED)
 ///         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_poll")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
@@ -257,7 +208,6 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     unsafe { event_to(event, happened.as_ref()) };
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
-sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int);
 
 /// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
 /// To be called after `dp_host_poll`.
@@ -271,13 +221,7 @@ sized_alias!(dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEven
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_output")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }) else {
@@ -287,7 +231,6 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
     let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
     written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
-sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
 /// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
 /// the output was fetched: what it returns is then what poll(2) takes as time-out.
@@ -297,19 +240,12 @@ sized_alias!(dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_m
 /// ```c
 /// wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_next_deadline")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
     // SAFETY: as the contract of this function asks.
     let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
-sized_alias!(dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
 
 /// Whether an operation is going on.
 ///
@@ -319,18 +255,11 @@ sized_alias!(dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long
 /// if (!dp_host_busy(&host))
 ///     dp_host_home(&host);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_busy")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
     // SAFETY: as the contract of this function asks.
     c_int::from(unsafe { host.as_ref() }.is_some_and(Host::is_busy))
 }
-sized_alias!(dp_host_busy(host: *const Host) -> c_int);
 
 /// How the link does.
 ///
@@ -341,13 +270,7 @@ sized_alias!(dp_host_busy(host: *const Host) -> c_int);
 /// if (health->rtt_count > 0)
 ///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_host_home`.
-///
-/// cbindgen:postfix=DP_SIZED("dp_host_get_health")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_host_get_health(host: *const Host) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { host.as_ref() } {
@@ -355,7 +278,6 @@ pub unsafe extern "C" fn dp_host_get_health(host: *const Host) -> *const Health 
         None => core::ptr::null(),
     }
 }
-sized_alias!(dp_host_get_health(host: *const Host) -> *const Health);
 
 fn result(outcome: Option<Result<(), Busy>>) -> c_int {
     match outcome {

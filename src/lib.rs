@@ -12,9 +12,10 @@
 //! - No reference to a caller's object is held while one of the caller's callbacks runs: a callback may call
 //!   the library on the same objects.
 //!
-//! A function whose arguments depend on the sizes in [`crate::config`] is exported twice: under its plain name, for
-//! programs compiled with the original's header, and under a name that tells the sizes, for those
-//! compiled with ours, so that a program and a library of different sizes do not link.
+//! A function whose arguments depend on the sizes that the library was built for is exported twice: under its plain
+//! name, for programs compiled with the original's header, and under one that contains the sizes, for those compiled
+//! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export) does
+//! both.
 #![no_std]
 // Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the compiler would
 // turn copy loops into calls of memcpy.
@@ -42,34 +43,5 @@ pub mod protocol;
 pub mod protocol_ext;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
-
-/// Exports a function under the name that tells the sizes too, e.g. `dp_recv_128_32`; `olp:` or `gx:` in front of it
-/// says that they are those of another family.
-///
-/// `dp_x = x(...)` names a function that `dp_x` consists of and that is inlined into both exports: the compiler makes
-/// one of two equal functions, so that they are two symbols at one address. Without it, the second export calls the
-/// first.
-macro_rules! sized_alias {
-    (olp: $($signature:tt)*) => {
-        $crate::sized_alias!("OLP_SIZES", $($signature)*);
-    };
-    (gx: $($signature:tt)*) => {
-        $crate::sized_alias!("GX_SIZES", $($signature)*);
-    };
-    ($sizes:literal, $name:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
-        $crate::sized_alias!($sizes, $name = $name($($arg: $type),*) -> $result);
-    };
-    ($sizes:literal, $name:ident = $function:ident($($arg:ident: $type:ty),* $(,)?) -> $result:ty) => {
-        const _: () = {
-            #[unsafe(export_name = concat!(stringify!($name), "_", env!($sizes)))]
-            unsafe extern "C" fn sized($($arg: $type),*) -> $result {
-                // SAFETY: the caller keeps to the contract of the plain export, which does the same.
-                unsafe { $function($($arg),*) }
-            }
-        };
-    };
-    ($($signature:tt)*) => {
-        $crate::sized_alias!("DP_SIZES", $($signature)*);
-    };
-}
-use sized_alias;
+#[allow(unused, reason = "the sessions move to it one by one")]
+mod state;

@@ -1,6 +1,4 @@
 //! `line_device.h`: the device's end of the line protocol's link.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
 use core::ptr::null;
@@ -9,7 +7,7 @@ use super::line_protocol::encoder::{keep, resume};
 use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use super::memory::{bytes_of, int, text_of, zero};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::clock::time;
 use deltarobot_protocols::line::Value;
 use deltarobot_protocols::line::device::{DeviceHealth, DeviceLink, Input, Setup};
@@ -118,6 +116,9 @@ pub struct Device {
 
 /// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
 ///
+/// table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
+/// unchanged, as long as the device is used.
+///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
 /// when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
 /// array has to be.
@@ -128,14 +129,7 @@ pub struct Device {
 /// static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
 /// olp_device_init(&device, &table, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. table's counts, texts and functions are what it says, and
-/// its functions can be called with usr; it stays there, unchanged, as long as the device is used.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_init")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int {
     if device.is_null() {
         return OLP_RC_ERROR_GENERIC;
@@ -152,9 +146,10 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
         rc
     }
 }
-sized_alias!(olp: olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int);
 
 /// Begins anew, as after `olp_device_init`: to be called when another connection is made.
+///
+/// device was made by `olp_device_init` or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
 ///
@@ -162,13 +157,7 @@ sized_alias!(olp: olp_device_init(device: *mut Device, table: *const DeviceTable
 /// if (was_reconnected())
 ///     olp_device_restart(&device);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. device was made by `olp_device_init` or is all zero.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_restart")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -179,7 +168,6 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
         olp_device_init(device, table, usr)
     }
 }
-sized_alias!(olp: olp_device_restart(device: *mut Device) -> c_int);
 
 /// Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
 /// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
@@ -192,13 +180,7 @@ sized_alias!(olp: olp_device_restart(device: *mut Device) -> c_int);
 /// if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
 ///     olp_device_poll(&device, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_device_restart`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_linksetup")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_linksetup(
     device: *mut Device,
     ack: c_int,
@@ -218,7 +200,6 @@ pub unsafe extern "C" fn olp_device_linksetup(
         }
     }
 }
-sized_alias!(olp: olp_device_linksetup(device: *mut Device, ack: c_int, checksum: c_int, window: c_int) -> c_int);
 
 /// Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
 /// line, no more are taken. Not for interrupts that may come during another call on the same device.
@@ -232,13 +213,7 @@ sized_alias!(olp: olp_device_linksetup(device: *mut Device, ack: c_int, checksum
 /// for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
 ///     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_device_restart`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_receive")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_receive(
     device: *mut Device,
     buf: *const c_void,
@@ -256,7 +231,6 @@ pub unsafe extern "C" fn olp_device_receive(
         }
     }
 }
-sized_alias!(olp: olp_device_receive(device: *mut Device, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
 /// Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
 /// firmware's main loop.
@@ -270,13 +244,7 @@ sized_alias!(olp: olp_device_receive(device: *mut Device, buf: *const c_void, by
 /// while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
 ///     ;
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_device_restart`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_poll")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -292,10 +260,11 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
         rc
     }
 }
-sized_alias!(olp: olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int);
 
 /// Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
 /// here. Its buffer is the caller's, and as long as the line may be.
+///
+/// event was begun and its buffer is still there; id is NULL or a string.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
@@ -308,13 +277,7 @@ sized_alias!(olp: olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int
 /// olp_add_float(&event, "temp", 21.5f, 2);
 /// olp_device_event(&device, &event, "M1F910");
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_device_restart`; event was begun and its buffer is still there; id is NULL or a string.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_event")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -337,7 +300,6 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
         rc
     }
 }
-sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int);
 
 /// How the link does.
 ///
@@ -347,13 +309,7 @@ sized_alias!(olp: olp_device_event(device: *mut Device, event: *mut LineEncoder,
 /// const struct olp_device_health *health = olp_device_get_health(&device);
 /// printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_device_restart`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_device_get_health")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const DeviceHealth {
     if device.is_null() {
         return null();
@@ -361,7 +317,6 @@ pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const 
     // SAFETY: not NULL, so as the contract of this function asks.
     unsafe { (*device).link.health() }
 }
-sized_alias!(olp: olp_device_get_health(device: *const Device) -> *const DeviceHealth);
 
 /// Whether a device was made, so that its functions can be called.
 ///

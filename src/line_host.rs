@@ -1,6 +1,4 @@
 //! `line_host.h`: the PC's end of the line protocol's link.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 use core::ptr::{from_ref, null};
@@ -10,7 +8,7 @@ use super::line_protocol::{
     OLP_RC_TOO_LONG,
 };
 use super::memory::{bytes_of, fill, int, long, text_of, zero};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::clock::time;
 use deltarobot_protocols::line::host::{Device, Health, Host, Link, QueueError, Settings};
 
@@ -39,13 +37,7 @@ pub const OLP_HOST_VERSION_MAX: c_int = 15;
 /// settings.recognises = 1;
 /// olp_host_init(&host, &settings);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_init")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
     if host.is_null() {
         return OLP_RC_ERROR_GENERIC;
@@ -59,7 +51,6 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
     }
     OLP_RC_SUCCESS
 }
-sized_alias!(olp: olp_host_init(host: *mut Host, settings: *const Settings) -> c_int);
 
 /// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
 /// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
@@ -79,13 +70,7 @@ sized_alias!(olp: olp_host_init(host: *mut Host, settings: *const Settings) -> c
 /// if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
 ///     puts("first, events have to be fetched");
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_send`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_setup")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_setup(
     host: *mut Host,
     id: *const c_char,
@@ -103,13 +88,6 @@ pub unsafe extern "C" fn olp_host_setup(
     let given = |value: c_int| (value >= 0).then_some(value > 0);
     handle(host.setup(id, given(ack), given(checksum), window))
 }
-sized_alias!(olp: olp_host_setup(
-    host: *mut Host,
-    id: *const c_char,
-    ack: c_int,
-    checksum: c_int,
-    windowsize: c_long,
-) -> c_int);
 
 /// Queues a command for the device id, a string that is encoded as needed.
 ///
@@ -122,6 +100,8 @@ sized_alias!(olp: olp_host_setup(
 ///
 /// `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
 ///
+/// host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+///
 /// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
 /// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
 /// empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
@@ -131,14 +111,7 @@ sized_alias!(olp: olp_host_setup(
 /// if (handle == -OLP_RC_BUSY)
 ///     puts("first, events have to be fetched");
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero; id is
-/// NULL or a string.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_send")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_send(
     host: *mut Host,
     command: *const c_char,
@@ -151,12 +124,6 @@ pub unsafe extern "C" fn olp_host_send(
         _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
-sized_alias!(olp: olp_host_send(
-    host: *mut Host,
-    command: *const c_char,
-    length: c_int,
-    id: *const c_char,
-) -> c_int);
 
 /// Takes received bytes, up to the end of a line; `now_ms` is when they came.
 ///
@@ -169,13 +136,7 @@ sized_alias!(olp: olp_host_send(
 /// for (int taken = 0; taken < got; handle_events(&host))
 ///     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_receive")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
@@ -183,11 +144,12 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
         _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
-sized_alias!(olp: olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int);
 
 /// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
 /// there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
 /// lost, dropped, error, linksetup, acked, ended, welcome, line.
+///
+/// host was begun by `olp_host_init` or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -198,13 +160,7 @@ sized_alias!(olp: olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c
 ///     if (event.kind == OLP_HOST_ENDED)
 ///         printf("command %d: outcome %d\n", event.handle, event.outcome);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_poll")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
@@ -225,7 +181,6 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
         happened
     }
 }
-sized_alias!(olp: olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int);
 
 /// Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
 /// for at least `OLP_COMMAND_MAX` bytes; with more, it writes as many lines as there are and fit.
@@ -239,13 +194,7 @@ sized_alias!(olp: olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut Li
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_output")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_mut() }) else {
@@ -255,7 +204,6 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
     let written = unsafe { fill(buf, cap, |line, room| host.output(line, room, time(now_ms))) };
     written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
-sized_alias!(olp: olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int);
 
 /// How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
 /// are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
@@ -265,19 +213,12 @@ sized_alias!(olp: olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int,
 /// ```c
 /// wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_next_deadline")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
     // SAFETY: as the contract of this function asks.
     let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
-sized_alias!(olp: olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long);
 
 /// What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
 /// nor checksums, and a window of 1.
@@ -289,13 +230,7 @@ sized_alias!(olp: olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> 
 /// if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
 ///     puts("lines have checksums");
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_get_link")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_ref() }).filter(|_| !link.is_null()) else {
@@ -305,7 +240,6 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
     unsafe { link_to(link, host) };
     OLP_RC_SUCCESS
 }
-sized_alias!(olp: olp_host_get_link(host: *const Host, link: *mut Link) -> c_int);
 
 /// Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
 /// change, and it stays there when the microcontroller starts anew.
@@ -318,13 +252,7 @@ sized_alias!(olp: olp_host_get_link(host: *const Host, link: *mut Link) -> c_int
 /// for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
 ///     printf("%s: %s\n", device.id, device.type);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_get_device")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(host) = (unsafe { host.as_ref() }).filter(|_| !device.is_null()) else {
@@ -342,7 +270,6 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
     unsafe { (*device).end_texts() };
     OLP_RC_SUCCESS
 }
-sized_alias!(olp: olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int);
 
 /// How the link does.
 ///
@@ -353,13 +280,7 @@ sized_alias!(olp: olp_host_get_device(host: *const Host, index: c_int, device: *
 /// if (health->rtt_count > 0)
 ///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_host_poll`.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_host_get_health")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health {
     // SAFETY: as the contract of this function asks.
     match unsafe { host.as_ref() } {
@@ -367,7 +288,6 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health
         None => null(),
     }
 }
-sized_alias!(olp: olp_host_get_health(host: *const Host) -> *const Health);
 
 fn handle(queued: Result<c_int, QueueError>) -> c_int {
     match queued {

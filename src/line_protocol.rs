@@ -1,6 +1,4 @@
 //! `line_protocol.h`: lines of the Ozeki line protocol (facts: the page "Ozeki Line Protocol").
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_uint};
 use core::mem::{align_of, offset_of, size_of};

@@ -1,6 +1,4 @@
 //! `payload.h`: what the messages of the specification (section "Opcodes") say.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::c_int;
 use core::mem::align_of;

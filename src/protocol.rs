@@ -1,13 +1,11 @@
 //! `protocol.h`: the original's API, spelled as there (facts: the specification, section "Interface").
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 use core::slice;
 
 use super::memory::{bytes_of, int};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::config::{DP_DATA_MAX_SIZE, FAST};
 use deltarobot_protocols::deltarobot::{FRAME_MAX, Opcode, Ring, encode};
 
@@ -132,6 +130,9 @@ type Send = unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_voi
 /// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
 /// taken. A ring whose fields are out of range counts as empty.
 ///
+/// Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
+/// own.
+///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
 /// negative, or buf is NULL and bytes is not 0.
 ///
@@ -140,19 +141,11 @@ type Send = unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_voi
 /// if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
 ///     ++losses;
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. Not for an interrupt that may come during
-/// another call on the ring: there, bytes go into a queue of the program's own.
-///
-/// cbindgen:postfix=DP_SIZED("dp_process")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
     // SAFETY: the same contract.
     unsafe { process(data, buf, bytes) }
 }
-sized_alias!(dp_process = process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int);
 
 #[inline(always)]
 unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
@@ -207,18 +200,11 @@ unsafe fn process_any(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int 
 /// while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
 ///     handle(&msg);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_recv")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
     unsafe { recv(data, msg) }
 }
-sized_alias!(dp_recv = recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 
 #[inline(always)]
 unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
@@ -234,6 +220,8 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 ///
 /// The opcode is not checked.
 ///
+/// sendfunc can be called with usr.
+///
 /// Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
 /// is outside 0 to `DP_DATA_MAX_SIZE`.
 ///
@@ -243,18 +231,11 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 /// msg.data_s = 0;
 /// dp_send(&msg, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. sendfunc can be called with usr.
-///
-/// cbindgen:postfix=DP_SIZED("dp_send")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
     // SAFETY: the same contract.
     unsafe { send(msg, sendfunc, usr) }
 }
-sized_alias!(dp_send = send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int);
 
 #[inline(always)]
 unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {

@@ -1,6 +1,4 @@
 //! `protocol_ext.h`: what the original's API lacks.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
@@ -8,7 +6,7 @@ use core::mem::MaybeUninit;
 use super::memory::{bytes_of, int};
 use super::protocol::receiving::{any_message, next_message};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg};
-use super::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::deltarobot::Ring;
 
 /// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
@@ -28,6 +26,8 @@ pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mu
 /// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
 /// are in the ring already come first.
 ///
+/// buf's bytes stay as they are until the call returns. `on_msg` can be called with usr.
+///
 /// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
 /// rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
 /// NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -36,14 +36,7 @@ pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mu
 /// int got = uart_read(&uart, in, sizeof in);
 /// dp_process_each(&ring, in, got, on_msg, NULL);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. buf's bytes stay as they are until the call
-/// returns. `on_msg` can be called with usr.
-///
-/// cbindgen:postfix=DP_SIZED("dp_process_each")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_process_each(
     data: *mut Ring,
     buf: *const c_void,
@@ -54,7 +47,6 @@ pub unsafe extern "C" fn dp_process_each(
     // SAFETY: the same contract.
     unsafe { process_each(data, buf, bytes, on_msg, usr) }
 }
-sized_alias!(dp_process_each = process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int);
 
 #[inline(always)]
 unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int {
@@ -99,18 +91,11 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
 ///     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
 ///         handle(&msg);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_recv_idle")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
     unsafe { recv_idle(data, msg) }
 }
-sized_alias!(dp_recv_idle = recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int);
 
 #[inline(always)]
 unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
@@ -126,18 +111,11 @@ unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 /// struct protocol_data ring;
 /// dp_init(&ring);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_init")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_init(data: *mut Ring) -> c_int {
     // SAFETY: the same contract.
     unsafe { init(data) }
 }
-sized_alias!(dp_init = init(data: *mut Ring) -> c_int);
 
 #[inline(always)]
 unsafe fn init(data: *mut Ring) -> c_int {
@@ -159,7 +137,7 @@ unsafe fn init(data: *mut Ring) -> c_int {
 /// if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
 ///     printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
 /// ```
-#[unsafe(no_mangle)]
+#[export]
 pub extern "C" fn dp_version() -> *const c_char {
     const { concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast() }
 }

@@ -1,8 +1,7 @@
 //! `serial.h`: the serial port.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super), which the header's head has too.
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
+use deltarobot_export::export;
 
 use super::memory::{bytes_of, int, room_of, zero};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
@@ -20,6 +19,8 @@ pub const DP_SERIAL_SEND_MS: c_long = 1000;
 /// as it is open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal,
 /// otherwise. What was received before is thrown away.
 ///
+/// device is NULL or a string. A port that is open must be closed first: else its file descriptor is lost.
+///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
 /// is NULL. When it did not succeed, the port is closed: it need not be, but can be, closed.
 ///
@@ -28,12 +29,7 @@ pub const DP_SERIAL_SEND_MS: c_long = 1000;
 /// if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. device is NULL or a string. A port that is open
-/// must be closed first: else its file descriptor is lost.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char, baud: c_ulong) -> c_int {
     if serial.is_null() {
         return DP_RC_ERROR_GENERIC;
@@ -51,6 +47,8 @@ pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
 /// negative), or until a signal was handled.
 ///
+/// serial was opened or is all zero.
+///
 /// Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it
 /// received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf
 /// is NULL and cap is not 0.
@@ -60,11 +58,7 @@ pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char
 /// if (got > 0)
 ///     dp_process(&ring, in, got);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. serial was opened or is all zero.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap: c_int, timeout_ms: c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (port, out) = unsafe { (serial.as_mut(), room_of(buf, cap)) };
@@ -86,11 +80,7 @@ pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap
 /// if (written >= 0 && written < length)
 ///     puts("nobody reads at the other end");
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_write(
     serial: *mut Port,
     buf: *const c_void,
@@ -107,6 +97,8 @@ pub unsafe extern "C" fn dp_serial_write(
 
 /// Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
 ///
+/// usr is the port.
+///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
 /// `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
 ///
@@ -114,11 +106,7 @@ pub unsafe extern "C" fn dp_serial_write(
 /// if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`, usr being the port.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (port, input) = unsafe { (usr.cast::<Port>().as_mut(), bytes_of(buf, bytes)) };
@@ -138,11 +126,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 /// if (dp_serial_drain(&port) == DP_RC_SUCCESS)
 ///     sent_at = now_ms();
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { serial.as_mut() } {
@@ -159,11 +143,7 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
 /// if (dp_serial_discard(&port) == DP_RC_SUCCESS)
 ///     memset(&ring, 0, sizeof ring);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_discard(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { serial.as_mut() } {
@@ -180,11 +160,7 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Port) -> c_int {
 /// dp_serial_drain(&port);
 /// dp_serial_close(&port);
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { serial.as_mut() } {
@@ -205,11 +181,7 @@ pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
 /// if (dp_serial_read(&port, in, sizeof in, 100) < 0)
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
-///
-/// # Safety
-///
-/// As for `dp_serial_read`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn dp_serial_error(serial: *const Port) -> *const c_char {
     // SAFETY: as the contract of this function asks.
     unsafe { serial.as_ref() }.map_or(c"".as_ptr(), |port| port.error().as_ptr())

@@ -162,6 +162,8 @@ struct dp_controller {
  * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
  * 0 for both, it answers like shipped firmware.
  *
+ * calls' functions can be called with usr; calls stays there as long as the controller is used.
+ *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
  * the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
  * `DP_LAYOUT_SPEC`).
@@ -171,11 +173,6 @@ struct dp_controller {
  * static struct dp_controller controller;
  * dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. calls' functions can be called with usr; calls
- * stays there as long as the controller is used.
  */
 int dp_controller_init(struct dp_controller *controller,
                        const struct dp_controller_calls *calls,
@@ -189,6 +186,9 @@ DP_SIZED("dp_controller_init");
  *
  * When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
  *
+ * Not for an interrupt that may come during another call on the controller: there, bytes go into a queue of the
+ * firmware's own.
+ *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL,
  * bytes is negative, or buf is NULL and bytes is not 0.
  *
@@ -197,11 +197,6 @@ DP_SIZED("dp_controller_init");
  * if (dp_controller_receive(&controller, in, got) == DP_RC_OVERFLOW)
  *     ++losses;
  * ```
- *
- * # Safety
- *
- * As for `dp_controller_poll`. Not for an interrupt that may come during another call on the controller: there, bytes
- * go into a queue of the firmware's own.
  */
 int dp_controller_receive(struct dp_controller *controller,
                           const void *buf,
@@ -211,6 +206,8 @@ DP_SIZED("dp_controller_receive");
 /**
  * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
  *
+ * controller was made by `dp_controller_init` or is all zero.
+ *
  * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
  * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
  *
@@ -218,11 +215,6 @@ DP_SIZED("dp_controller_receive");
  * while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
  *     ;
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. controller was made by `dp_controller_init` or
- * is all zero.
  */
 int dp_controller_poll(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll");
@@ -237,10 +229,6 @@ DP_SIZED("dp_controller_poll");
  * if (now_ms() - heard_at >= 10)
  *     dp_controller_poll_idle(&controller);
  * ```
- *
- * # Safety
- *
- * As for `dp_controller_poll`.
  */
 int dp_controller_poll_idle(struct dp_controller *controller)
 DP_SIZED("dp_controller_poll_idle");
@@ -254,10 +242,6 @@ DP_SIZED("dp_controller_poll_idle");
  * if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
  *     dp_controller_report(&controller);
  * ```
- *
- * # Safety
- *
- * As for `dp_controller_poll`.
  */
 int dp_controller_report(struct dp_controller *controller)
 DP_SIZED("dp_controller_report");

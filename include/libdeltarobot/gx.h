@@ -258,56 +258,6 @@ extern "C" {
 #define GX_AXES 6
 
 /**
- * The high bit, by which binary values differ from everything that is ASCII.
- */
-#define HIGH 128
-
-/**
- * Positions that 28 bits hold, in steps.
- */
-#define POSITION_MIN -(1 << 27)
-
-/**
- * See [`POSITION_MIN`].
- */
-#define POSITION_MAX ((1 << 27) - 1)
-
-/**
- * The least delta that 7 bits hold. It is decoded, but not written: the proposal speaks of 63 steps either way.
- */
-#define DELTA_MIN -64
-
-/**
- * The largest delta, in steps.
- */
-#define DELTA_MAX 63
-
-/**
- * The largest velocity, in steps per second: 14 bits.
- */
-#define VELOCITY_MAX 16383
-
-/**
- * The largest command number: 14 bits.
- */
-#define NUMBER_MAX 16383
-
-/**
- * The longest time between two position reports, in milliseconds: 14 bits.
- */
-#define PERIOD_MAX 16383
-
-/**
- * The largest code of an error notice: 7 bits.
- */
-#define CODE_MAX 127
-
-/**
- * The high bits of the four bytes of a position.
- */
-#define FOUR_HIGH 2155905152
-
-/**
  * Axes and velocity: a target, the deltas of a step, or a position. The layout is the proposal's `CPVectorCommand`.
  */
 struct gx_vector {
@@ -445,10 +395,6 @@ struct gx_contour {
  * struct gx_commands commands;
  * gx_commands_init(&commands);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_commands_init(struct gx_commands *commands);
 
@@ -468,10 +414,6 @@ int gx_commands_init(struct gx_commands *commands);
  *     handle_item(&item);
  * }
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_commands_receive(struct gx_commands *commands,
                         const void *buf,
@@ -488,10 +430,6 @@ int gx_commands_receive(struct gx_commands *commands,
  * if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
  *     handle_item(&item);
  * ```
- *
- * # Safety
- *
- * As for `gx_commands_receive`.
  */
 int gx_commands_idle(struct gx_commands *commands,
                      struct gx_item *item);
@@ -505,10 +443,6 @@ int gx_commands_idle(struct gx_commands *commands,
  * struct gx_notices notices;
  * gx_notices_init(&notices);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_notices_init(struct gx_notices *notices);
 
@@ -528,10 +462,6 @@ int gx_notices_init(struct gx_notices *notices);
  *     handle_item(&item);
  * }
  * ```
- *
- * # Safety
- *
- * As for `gx_commands_receive`.
  */
 int gx_notices_receive(struct gx_notices *notices,
                        const void *buf,
@@ -549,10 +479,6 @@ int gx_notices_receive(struct gx_notices *notices,
  * if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
  *     handle_item(&item);
  * ```
- *
- * # Safety
- *
- * As for `gx_commands_receive`.
  */
 int gx_notices_idle(struct gx_notices *notices,
                     struct gx_item *item);
@@ -569,10 +495,6 @@ int gx_notices_idle(struct gx_notices *notices,
  * if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
  *     printf("x is at %ld\n", (long)position.axes[0]);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_follow(struct gx_vector *position,
               const struct gx_item *item);
@@ -591,10 +513,6 @@ int gx_follow(struct gx_vector *position,
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_write_move(int format,
                   const struct gx_number *number,
@@ -613,10 +531,6 @@ int gx_write_move(int format,
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas, void *buf, int cap);
 
@@ -631,10 +545,6 @@ int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_shortest(const struct gx_number *number,
                       const struct gx_vector *target,
@@ -652,10 +562,6 @@ int gx_write_shortest(const struct gx_number *number,
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_reporting(int format, const struct gx_number *number, int period, void *buf, int cap);
 
@@ -669,10 +575,6 @@ int gx_write_reporting(int format, const struct gx_number *number, int period, v
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_completed(const struct gx_number *number, void *buf, int cap);
 
@@ -690,10 +592,6 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_refused(int format,
                      const struct gx_number *number,
@@ -711,10 +609,6 @@ int gx_write_refused(int format,
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`.
  */
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
 
@@ -728,10 +622,6 @@ int gx_write_position(int format, const struct gx_vector *position, void *buf, i
  * gx_contour_init(&contour, 1 | 2 | 4);
  * gx_contour_start(&contour, &position);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_contour_init(struct gx_contour *contour,
                     unsigned char mask);
@@ -746,10 +636,6 @@ int gx_contour_init(struct gx_contour *contour,
  * if (item.kind == GX_REFUSED)
  *     gx_contour_start(&contour, NULL);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_contour_start(struct gx_contour *contour,
                      const struct gx_vector *start);
@@ -759,6 +645,8 @@ int gx_contour_start(struct gx_contour *contour,
  * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
  * to 16383, or negative: as before.
  *
+ * position is NULL or points to six values.
+ *
  * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
  *
  * ```c
@@ -766,10 +654,6 @@ int gx_contour_start(struct gx_contour *contour,
  *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
  *         uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_write_move`; position is NULL or points to six values.
  */
 int gx_contour_segment(struct gx_contour *contour,
                        const struct gx_number *number,

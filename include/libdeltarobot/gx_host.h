@@ -367,10 +367,6 @@ struct gx_host_event {
  * settings.window = 4;
  * gx_host_init(&host, &settings);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED("gx_host_init");
 
@@ -381,6 +377,8 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  * axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
  * of the move before holds. Without any axis, only the velocity is set.
  *
+ * target is NULL or points to six values.
+ *
  * Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
  * axis nor velocity.
@@ -390,10 +388,6 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  * if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
  *     puts("first, events have to be fetched");
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`; target is NULL or points to six values.
  */
 int gx_host_move(struct gx_host *host,
                  const int32_t *target,
@@ -405,16 +399,14 @@ GX_SIZED("gx_host_move");
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
  * are asked for again when they stay away.
  *
+ * host was begun by `gx_host_init` or is all zero.
+ *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
  *
  * ```c
  * if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
  *     puts("no such period");
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. host was begun by `gx_host_init` or is all zero.
  */
 int gx_host_report(struct gx_host *host,
                    int period_ms)
@@ -431,10 +423,6 @@ GX_SIZED("gx_host_report");
  * for (int taken = 0; taken < got; handle_events(&host))
  *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 int gx_host_receive(struct gx_host *host,
                     const void *buf,
@@ -455,10 +443,6 @@ GX_SIZED("gx_host_receive");
  *     if (event.kind == GX_HOST_ENDED)
  *         printf("the oldest move: outcome %d\n", event.outcome);
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 int gx_host_poll(struct gx_host *host,
                  unsigned long now_ms,
@@ -477,10 +461,6 @@ GX_SIZED("gx_host_poll");
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_host_output");
 
@@ -493,10 +473,6 @@ int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_m
  * ```c
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 long gx_host_next_deadline(const struct gx_host *host,
                            unsigned long now_ms)
@@ -509,10 +485,6 @@ GX_SIZED("gx_host_next_deadline");
  * if (gx_host_unfinished(&host) == 0)
  *     puts("all moves have ended");
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished");
 
@@ -523,10 +495,6 @@ int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished"
  * const struct gx_host_health *health = gx_host_get_health(&host);
  * printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
  * ```
- *
- * # Safety
- *
- * As for `gx_host_report`.
  */
 const struct gx_host_health *gx_host_get_health(const struct gx_host *host) GX_SIZED("gx_host_get_health");
 

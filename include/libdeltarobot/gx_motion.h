@@ -324,10 +324,6 @@ struct gx_motion_event {
  * settings.axes = 1 | 2 | 4;
  * gx_motion_init(&motion, &settings);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int gx_motion_init(struct gx_motion *motion,
                    const struct gx_motion_settings *settings)
@@ -352,10 +348,6 @@ GX_SIZED("gx_motion_init");
  * for (int taken = 0; taken < got; serve(&motion))
  *     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_receive(struct gx_motion *motion,
                       const void *buf,
@@ -375,10 +367,6 @@ GX_SIZED("gx_motion_receive");
  * while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
  *     printf("event %d\n", event.kind);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_poll(struct gx_motion *motion,
                    unsigned long now_ms,
@@ -400,10 +388,6 @@ GX_SIZED("gx_motion_poll");
  * if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
  *     motors_start(target.mask, target.axes, target.velocity);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_next(struct gx_motion *motion,
                    struct gx_vector *move,
@@ -420,10 +404,6 @@ GX_SIZED("gx_motion_next");
  * if (motors_have_arrived())
  *     gx_motion_done(&motion);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_done(struct gx_motion *motion)
 GX_SIZED("gx_motion_done");
@@ -435,16 +415,14 @@ GX_SIZED("gx_motion_done");
  *
  * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
  *
+ * motion was begun by `gx_motion_init` or is all zero.
+ *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
  * ```c
  * if (stop_is_pressed() && motors_stop() == 0)
  *     gx_motion_stop(&motion, 0);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. motion was begun by `gx_motion_init` or is all zero.
  */
 int gx_motion_stop(struct gx_motion *motion,
                    int code)
@@ -454,6 +432,8 @@ GX_SIZED("gx_motion_stop");
  * Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
  * deltas are added to. position holds `GX_AXES` values in steps, x first.
  *
+ * position is NULL or points to six values.
+ *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
  * nothing changes then.
  *
@@ -462,10 +442,6 @@ GX_SIZED("gx_motion_stop");
  * motors_count(steps);
  * gx_motion_set_position(&motion, steps);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`; position is NULL or points to six values.
  */
 int gx_motion_set_position(struct gx_motion *motion,
                            const int32_t *position)
@@ -483,10 +459,6 @@ GX_SIZED("gx_motion_set_position");
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_output(struct gx_motion *motion,
                      void *buf,
@@ -503,10 +475,6 @@ GX_SIZED("gx_motion_output");
  * ```c
  * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 long gx_motion_next_deadline(const struct gx_motion *motion,
                              unsigned long now_ms)
@@ -519,10 +487,6 @@ GX_SIZED("gx_motion_next_deadline");
  * if (gx_motion_unfinished(&motion) == 0)
  *     motors_stop();
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unfinished");
 
@@ -533,10 +497,6 @@ int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unf
  * const struct gx_motion_health *health = gx_motion_get_health(&motion);
  * printf("%lu moves, %lu refused\n", health->moves, health->refused);
  * ```
- *
- * # Safety
- *
- * As for `gx_motion_stop`.
  */
 const struct gx_motion_health *gx_motion_get_health(const struct gx_motion *motion)
 GX_SIZED("gx_motion_get_health");

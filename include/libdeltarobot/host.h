@@ -399,15 +399,13 @@ struct dp_host_event {
  * settings.messages = 1;
  * dp_host_init(&host, &settings);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED("dp_host_init");
 
 /**
  * Requests homing. The end comes as an event.
+ *
+ * host was begun by `dp_host_init` or is all zero.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
@@ -415,11 +413,6 @@ int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) 
  * if (dp_host_home(&host) == DP_RC_BUSY)
  *     puts("first, DP_HOST_ENDED has to come");
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. host was begun by `dp_host_init` or is all
- * zero.
  */
 int dp_host_home(struct dp_host *host)
 DP_SIZED("dp_host_home");
@@ -435,10 +428,6 @@ DP_SIZED("dp_host_home");
  * if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
  *     puts("no robot can go there");
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_move(struct dp_host *host,
                  const struct protocol_msg_position *target)
@@ -455,10 +444,6 @@ DP_SIZED("dp_host_move");
  * if (stop_is_pressed())
  *     dp_host_cancel(&host);
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_cancel(struct dp_host *host)
 DP_SIZED("dp_host_cancel");
@@ -473,10 +458,6 @@ DP_SIZED("dp_host_cancel");
  * if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
  *     asked_at = now_ms();
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_status(struct dp_host *host)
 DP_SIZED("dp_host_status");
@@ -493,10 +474,6 @@ DP_SIZED("dp_host_status");
  * for (int taken = 0; taken < got; handle_events(&host))
  *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_receive(struct dp_host *host,
                     const void *buf,
@@ -517,10 +494,6 @@ DP_SIZED("dp_host_receive");
  *     if (event.kind == DP_HOST_ENDED)
  *         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_poll(struct dp_host *host,
                  unsigned long now_ms,
@@ -540,10 +513,6 @@ DP_SIZED("dp_host_poll");
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_output(struct dp_host *host,
                    void *buf,
@@ -560,10 +529,6 @@ DP_SIZED("dp_host_output");
  * ```c
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 long dp_host_next_deadline(const struct dp_host *host,
                            unsigned long now_ms)
@@ -578,10 +543,6 @@ DP_SIZED("dp_host_next_deadline");
  * if (!dp_host_busy(&host))
  *     dp_host_home(&host);
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
 
@@ -595,10 +556,6 @@ int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
  * if (health->rtt_count > 0)
  *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
  * ```
- *
- * # Safety
- *
- * As for `dp_host_home`.
  */
 const struct dp_host_health *dp_host_get_health(const struct dp_host *host) DP_SIZED("dp_host_get_health");
 

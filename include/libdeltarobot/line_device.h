@@ -321,6 +321,9 @@ struct olp_device {
 /**
  * Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
  *
+ * table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
+ * unchanged, as long as the device is used.
+ *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
  * when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
  * array has to be.
@@ -331,11 +334,6 @@ struct olp_device {
  * static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
  * olp_device_init(&device, &table, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. table's counts, texts and functions are what it says, and
- * its functions can be called with usr; it stays there, unchanged, as long as the device is used.
  */
 int olp_device_init(struct olp_device *device,
                     const struct olp_device_table *table,
@@ -345,16 +343,14 @@ OLP_SIZED("olp_device_init");
 /**
  * Begins anew, as after `olp_device_init`: to be called when another connection is made.
  *
+ * device was made by `olp_device_init` or is all zero.
+ *
  * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
  *
  * ```c
  * if (was_reconnected())
  *     olp_device_restart(&device);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. device was made by `olp_device_init` or is all zero.
  */
 int olp_device_restart(struct olp_device *device)
 OLP_SIZED("olp_device_restart");
@@ -371,10 +367,6 @@ OLP_SIZED("olp_device_restart");
  * if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
  *     olp_device_poll(&device, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `olp_device_restart`.
  */
 int olp_device_linksetup(struct olp_device *device,
                          int ack,
@@ -395,10 +387,6 @@ OLP_SIZED("olp_device_linksetup");
  * for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
  *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `olp_device_restart`.
  */
 int olp_device_receive(struct olp_device *device,
                        const void *buf,
@@ -419,10 +407,6 @@ OLP_SIZED("olp_device_receive");
  * while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
  *     ;
  * ```
- *
- * # Safety
- *
- * As for `olp_device_restart`.
  */
 int olp_device_poll(struct olp_device *device,
                     unsigned long now_ms)
@@ -431,6 +415,8 @@ OLP_SIZED("olp_device_poll");
 /**
  * Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
  * here. Its buffer is the caller's, and as long as the line may be.
+ *
+ * event was begun and its buffer is still there; id is NULL or a string.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
@@ -443,10 +429,6 @@ OLP_SIZED("olp_device_poll");
  * olp_add_float(&event, "temp", 21.5f, 2);
  * olp_device_event(&device, &event, "M1F910");
  * ```
- *
- * # Safety
- *
- * As for `olp_device_restart`; event was begun and its buffer is still there; id is NULL or a string.
  */
 int olp_device_event(struct olp_device *device,
                      struct olp_encoder *event,
@@ -462,10 +444,6 @@ OLP_SIZED("olp_device_event");
  * const struct olp_device_health *health = olp_device_get_health(&device);
  * printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
  * ```
- *
- * # Safety
- *
- * As for `olp_device_restart`.
  */
 const struct olp_device_health *olp_device_get_health(const struct olp_device *device)
 OLP_SIZED("olp_device_get_health");

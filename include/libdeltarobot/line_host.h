@@ -563,10 +563,6 @@ struct olp_host_event {
  * settings.recognises = 1;
  * olp_host_init(&host, &settings);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED("olp_host_init");
 
@@ -589,10 +585,6 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
  *     puts("first, events have to be fetched");
  * ```
- *
- * # Safety
- *
- * As for `olp_host_send`.
  */
 int olp_host_setup(struct olp_host *host,
                    const char *id,
@@ -613,6 +605,8 @@ OLP_SIZED("olp_host_setup");
  *
  * `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
  *
+ * host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+ *
  * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
  * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
@@ -622,11 +616,6 @@ OLP_SIZED("olp_host_setup");
  * if (handle == -OLP_RC_BUSY)
  *     puts("first, events have to be fetched");
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero; id is
- * NULL or a string.
  */
 int olp_host_send(struct olp_host *host,
                   const char *command,
@@ -646,10 +635,6 @@ OLP_SIZED("olp_host_send");
  * for (int taken = 0; taken < got; handle_events(&host))
  *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 int olp_host_receive(struct olp_host *host,
                      const void *buf,
@@ -662,6 +647,8 @@ OLP_SIZED("olp_host_receive");
  * there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
  * lost, dropped, error, linksetup, acked, ended, welcome, line.
  *
+ * host was begun by `olp_host_init` or is all zero.
+ *
  * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
@@ -671,10 +658,6 @@ OLP_SIZED("olp_host_receive");
  *     if (event.kind == OLP_HOST_ENDED)
  *         printf("command %d: outcome %d\n", event.handle, event.outcome);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. host was begun by `olp_host_init` or is all zero.
  */
 int olp_host_poll(struct olp_host *host,
                   unsigned long now_ms,
@@ -694,10 +677,6 @@ OLP_SIZED("olp_host_poll");
  * if (length > 0)
  *     uart_write(&uart, out, length);
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 int olp_host_output(struct olp_host *host,
                     void *buf,
@@ -714,10 +693,6 @@ OLP_SIZED("olp_host_output");
  * ```c
  * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 long olp_host_next_deadline(const struct olp_host *host,
                             unsigned long now_ms)
@@ -734,10 +709,6 @@ OLP_SIZED("olp_host_next_deadline");
  * if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
  *     puts("lines have checksums");
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 int olp_host_get_link(const struct olp_host *host,
                       struct olp_host_link *link)
@@ -755,10 +726,6 @@ OLP_SIZED("olp_host_get_link");
  * for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
  *     printf("%s: %s\n", device.id, device.type);
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 int olp_host_get_device(const struct olp_host *host,
                         int index,
@@ -775,10 +742,6 @@ OLP_SIZED("olp_host_get_device");
  * if (health->rtt_count > 0)
  *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
  * ```
- *
- * # Safety
- *
- * As for `olp_host_poll`.
  */
 const struct olp_host_health *olp_host_get_health(const struct olp_host *host)
 OLP_SIZED("olp_host_get_health");

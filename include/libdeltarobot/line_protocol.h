@@ -315,10 +315,6 @@ struct olp_line {
  * unsigned int sum = olp_fletcher16(line.text, line.length);
  * printf("%04x\n", sum);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 unsigned int olp_fletcher16(const void *bytes,
                             int length);
@@ -334,10 +330,6 @@ unsigned int olp_fletcher16(const void *bytes,
  * for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
  *     sum = olp_fletcher16_more(sum, in, got);
  * ```
- *
- * # Safety
- *
- * As for `olp_fletcher16`.
  */
 unsigned int olp_fletcher16_more(unsigned int sum,
                                  const void *bytes,
@@ -357,10 +349,6 @@ unsigned int olp_fletcher16_more(unsigned int sum,
  * if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
  *     handle_message(&message);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int olp_parse(const char *line,
               int length,
@@ -368,6 +356,8 @@ int olp_parse(const char *line,
 
 /**
  * Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
+ *
+ * message was filled in by `olp_parse` and its line is still there, or is all zero.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  * Unless it succeeds, param is left as it was.
@@ -377,11 +367,6 @@ int olp_parse(const char *line,
  * for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
  *     printf("%.*s\n", param.name_length, param.name);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. message was filled in by `olp_parse` and its line is still
- * there, or is all zero.
  */
 int olp_param_at(const struct olp_message *message,
                  int index,
@@ -391,6 +376,8 @@ int olp_param_at(const struct olp_message *message,
  * Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
  * first `c`.
  *
+ * name is NULL or a string.
+ *
  * Returns what `olp_param_at` does.
  *
  * ```c
@@ -398,10 +385,6 @@ int olp_param_at(const struct olp_message *message,
  * if (olp_find(&message, "id", 0, &id) == OLP_RC_SUCCESS)
  *     printf("from %.*s\n", id.value_length, id.value);
  * ```
- *
- * # Safety
- *
- * As for `olp_param_at`; name is NULL or a string.
  */
 int olp_find(const struct olp_message *message,
              const char *name,
@@ -411,6 +394,8 @@ int olp_find(const struct olp_message *message,
 /**
  * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
  *
+ * param was filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
+ *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
  *
@@ -419,11 +404,6 @@ int olp_find(const struct olp_message *message,
  * if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
  *     printf("state %ld\n", state);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. param was filled in by `olp_param_at` or `olp_find` and its
- * line is still there, or is all zero.
  */
 int olp_value_int(const struct olp_param *param,
                   long *value);
@@ -439,10 +419,6 @@ int olp_value_int(const struct olp_param *param,
  * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
  *     printf("%.2f degrees\n", (double)temperature);
  * ```
- *
- * # Safety
- *
- * As for `olp_value_int`.
  */
 int olp_value_float(const struct olp_param *param,
                     float *value);
@@ -459,10 +435,6 @@ int olp_value_float(const struct olp_param *param,
  * if (olp_value_string(&param, name, sizeof name) >= 0)
  *     puts(name);
  * ```
- *
- * # Safety
- *
- * As for `olp_value_int`.
  */
 int olp_value_string(const struct olp_param *param,
                      char *buf,
@@ -471,16 +443,14 @@ int olp_value_string(const struct olp_param *param,
 /**
  * Whether a parameter's decoded value is that text.
  *
+ * text is NULL or a string.
+ *
  * Returns 1 or 0; 0 when a pointer is NULL.
  *
  * ```c
  * if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
  *     puts("a device has started");
  * ```
- *
- * # Safety
- *
- * As for `olp_value_int`; text is NULL or a string.
  */
 int olp_value_is(const struct olp_param *param, const char *text);
 
@@ -494,10 +464,6 @@ int olp_value_is(const struct olp_param *param, const char *text);
  * if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
  *     printf("state %ld\n", state);
  * ```
- *
- * # Safety
- *
- * As theirs.
  */
 int olp_get_int(const struct olp_message *message, const char *name, int occurrence, long *value);
 
@@ -511,10 +477,6 @@ int olp_get_int(const struct olp_message *message, const char *name, int occurre
  * if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
  *     printf("%.2f degrees\n", (double)temperature);
  * ```
- *
- * # Safety
- *
- * As theirs.
  */
 int olp_get_float(const struct olp_message *message, const char *name, int occurrence, float *value);
 
@@ -528,10 +490,6 @@ int olp_get_float(const struct olp_message *message, const char *name, int occur
  * if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
  *     puts(name);
  * ```
- *
- * # Safety
- *
- * As theirs.
  */
 int olp_get_string(const struct olp_message *message, const char *name, int occurrence, char *buf, int cap);
 
@@ -544,10 +502,6 @@ int olp_get_string(const struct olp_message *message, const char *name, int occu
  * if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
  *     handle_message(&message);
  * ```
- *
- * # Safety
- *
- * As theirs.
  */
 int olp_is(const struct olp_message *message, const char *name, int occurrence, const char *text);
 
@@ -556,6 +510,8 @@ int olp_is(const struct olp_message *message, const char *name, int occurrence, 
  *
  * `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
  * return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
+ *
+ * buf stays there until the line is finished; command is NULL or a string.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
  * when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
@@ -566,11 +522,6 @@ int olp_is(const struct olp_message *message, const char *name, int occurrence, 
  * olp_add_float(&encoder, "temp", 21.5f, 2);
  * length = olp_finish(&encoder, 1);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. buf stays there until the line is finished; command is NULL
- * or a string.
  */
 int olp_begin(struct olp_encoder *encoder,
               char *buf,
@@ -590,10 +541,6 @@ int olp_begin(struct olp_encoder *encoder,
  * olp_add_int(&encoder, "state", 1);
  * length = olp_finish(&encoder, 1);
  * ```
- *
- * # Safety
- *
- * As for `olp_begin`.
  */
 int olp_begin_command(struct olp_encoder *encoder,
                       char *buf,
@@ -603,6 +550,9 @@ int olp_begin_command(struct olp_encoder *encoder,
 /**
  * Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
  *
+ * encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
+ * with a zero byte.
+ *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
  * when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
  * returned.
@@ -611,11 +561,6 @@ int olp_begin_command(struct olp_encoder *encoder,
  * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
  *     puts("no room for a name");
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. encoder was made by `olp_begin` or `olp_begin_command` and
- * its buffer is still there, or is all zero. Strings end with a zero byte.
  */
 int olp_add_string(struct olp_encoder *encoder,
                    const char *name,
@@ -624,15 +569,13 @@ int olp_add_string(struct olp_encoder *encoder,
 /**
  * Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
  *
+ * text is NULL or points to that many bytes.
+ *
  * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
  *
  * ```c
  * olp_add_bytes(&encoder, "serial", in, 4);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_string`; text is NULL or points to that many bytes.
  */
 int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
 
@@ -646,10 +589,6 @@ int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *tex
  * if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
  *     olp_add_raw(&encoder, "t", param.value, param.value_length);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_bytes`.
  */
 int olp_add_raw(struct olp_encoder *encoder,
                 const char *name,
@@ -664,10 +603,6 @@ int olp_add_raw(struct olp_encoder *encoder,
  * ```c
  * olp_add_int(&encoder, "state", 1);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_string`.
  */
 int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 
@@ -681,10 +616,6 @@ int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
  * ```c
  * olp_add_float(&encoder, "temp", 21.5f, 2);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_string`.
  */
 int olp_add_float(struct olp_encoder *encoder,
                   const char *name,
@@ -701,10 +632,6 @@ int olp_add_float(struct olp_encoder *encoder,
  * olp_add_hex(&encoder, "checksum", message.sum);
  * length = olp_finish(&encoder, 0);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_string`.
  */
 int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
 
@@ -721,10 +648,6 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * if (length > 0)
  *     uart_write(&uart, text, length);
  * ```
- *
- * # Safety
- *
- * As for `olp_add_string`.
  */
 int olp_finish(struct olp_encoder *encoder,
                int checksum);
@@ -738,10 +661,6 @@ int olp_finish(struct olp_encoder *encoder,
  * struct olp_receiver receiver;
  * olp_receiver_init(&receiver);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
 
@@ -761,10 +680,6 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_ini
  *         puts(line.text);
  * }
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int olp_receive(struct olp_receiver *receiver,
                 const void *buf,

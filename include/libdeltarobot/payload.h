@@ -71,10 +71,6 @@ extern "C" {
  * if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
  *     dp_send(&msg, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build(struct protocol_msg *msg,
              unsigned char opcode)
@@ -90,10 +86,6 @@ DP_SIZED("dp_build");
  * dp_build_ack(&answer, msg.opcode);
  * dp_send(&answer, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
@@ -107,10 +99,6 @@ int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_
  * dp_build_nack(&answer, DP_OPCODE_MOVE);
  * dp_send(&answer, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
@@ -125,10 +113,6 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp
  * if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
  *     dp_send(&msg, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_move(struct protocol_msg *msg,
                   const struct protocol_msg_position *target)
@@ -146,10 +130,6 @@ DP_SIZED("dp_build_move");
  * if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
  *     dp_send(&msg, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_build_status_report(struct protocol_msg *msg,
                            const struct protocol_msg_status_report *report,
@@ -166,10 +146,6 @@ DP_SIZED("dp_build_status_report");
  *     if (dp_msg_check(&msg) == DP_RC_SUCCESS)
  *         handle(&msg);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_msg_check(const struct protocol_msg *msg)
 DP_SIZED("dp_msg_check");
@@ -185,10 +161,6 @@ DP_SIZED("dp_msg_check");
  * if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
  *     printf("refused: %s\n", dp_opcode_name(answered));
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_answer(const struct protocol_msg *msg,
                    unsigned char *answered)
@@ -205,10 +177,6 @@ DP_SIZED("dp_read_answer");
  * if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
  *     motors_move(target.DA, target.DB, target.DC);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_move(const struct protocol_msg *msg,
                  struct protocol_msg_position *target)
@@ -226,10 +194,6 @@ DP_SIZED("dp_read_move");
  * if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
  *     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_read_status_report(const struct protocol_msg *msg,
                           int layout,
@@ -264,10 +228,6 @@ const char *dp_opcode_name(unsigned char opcode);
  * if (dp_msg_format(&msg, text, sizeof text) > 0)
  *     puts(text);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_msg_format(const struct protocol_msg *msg,
                   char *buf,

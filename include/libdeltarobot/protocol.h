@@ -277,6 +277,9 @@ struct protocol_msg_position {
  * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
  * taken. A ring whose fields are out of range counts as empty.
  *
+ * Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
+ * own.
+ *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
  *
@@ -285,11 +288,6 @@ struct protocol_msg_position {
  * if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
  *     ++losses;
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. Not for an interrupt that may come during
- * another call on the ring: there, bytes go into a queue of the program's own.
  */
 int dp_process(struct protocol_data *data,
                void *buf,
@@ -311,10 +309,6 @@ DP_SIZED("dp_process");
  * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
  *     handle(&msg);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_recv(struct protocol_data *data,
             struct protocol_msg *msg)
@@ -325,6 +319,8 @@ DP_SIZED("dp_recv");
  *
  * The opcode is not checked.
  *
+ * sendfunc can be called with usr.
+ *
  * Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
  * is outside 0 to `DP_DATA_MAX_SIZE`.
  *
@@ -334,10 +330,6 @@ DP_SIZED("dp_recv");
  * msg.data_s = 0;
  * dp_send(&msg, uart_send, &uart);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. sendfunc can be called with usr.
  */
 int dp_send(struct protocol_msg *msg,
             send_func_t sendfunc,

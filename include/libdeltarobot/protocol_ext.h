@@ -58,6 +58,8 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
  * are in the ring already come first.
  *
+ * buf's bytes stay as they are until the call returns. `on_msg` can be called with usr.
+ *
  * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
  * rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
  * NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -66,11 +68,6 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * int got = uart_read(&uart, in, sizeof in);
  * dp_process_each(&ring, in, got, on_msg, NULL);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. buf's bytes stay as they are until the call
- * returns. `on_msg` can be called with usr.
  */
 int dp_process_each(struct protocol_data *data,
                     const void *buf,
@@ -95,10 +92,6 @@ DP_SIZED("dp_process_each");
  *     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
  *         handle(&msg);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_recv_idle(struct protocol_data *data,
                  struct protocol_msg *msg)
@@ -113,10 +106,6 @@ DP_SIZED("dp_recv_idle");
  * struct protocol_data ring;
  * dp_init(&ring);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head.
  */
 int dp_init(struct protocol_data *data)
 DP_SIZED("dp_init");

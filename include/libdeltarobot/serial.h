@@ -83,6 +83,8 @@ struct dp_serial {
  * as it is open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal,
  * otherwise. What was received before is thrown away.
  *
+ * device is NULL or a string. A port that is open must be closed first: else its file descriptor is lost.
+ *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
  * is NULL. When it did not succeed, the port is closed: it need not be, but can be, closed.
  *
@@ -91,11 +93,6 @@ struct dp_serial {
  * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. device is NULL or a string. A port that is open
- * must be closed first: else its file descriptor is lost.
  */
 int dp_serial_open(struct dp_serial *serial,
                    const char *device,
@@ -104,6 +101,8 @@ int dp_serial_open(struct dp_serial *serial,
 /**
  * Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
  * negative), or until a signal was handled.
+ *
+ * serial was opened or is all zero.
  *
  * Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it
  * received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf
@@ -114,10 +113,6 @@ int dp_serial_open(struct dp_serial *serial,
  * if (got > 0)
  *     dp_process(&ring, in, got);
  * ```
- *
- * # Safety
- *
- * Pointers, threads and interrupts: the rules at the head. serial was opened or is all zero.
  */
 int dp_serial_read(struct dp_serial *serial,
                    void *buf,
@@ -137,10 +132,6 @@ int dp_serial_read(struct dp_serial *serial,
  * if (written >= 0 && written < length)
  *     puts("nobody reads at the other end");
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`.
  */
 int dp_serial_write(struct dp_serial *serial,
                     const void *buf,
@@ -150,6 +141,8 @@ int dp_serial_write(struct dp_serial *serial,
 /**
  * Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
  *
+ * usr is the port.
+ *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
  * `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
  *
@@ -157,10 +150,6 @@ int dp_serial_write(struct dp_serial *serial,
  * if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`, usr being the port.
  */
 int dp_serial_send(void *buf,
                    int bytes,
@@ -177,10 +166,6 @@ int dp_serial_send(void *buf,
  * if (dp_serial_drain(&port) == DP_RC_SUCCESS)
  *     sent_at = now_ms();
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`.
  */
 int dp_serial_drain(struct dp_serial *serial);
 
@@ -193,10 +178,6 @@ int dp_serial_drain(struct dp_serial *serial);
  * if (dp_serial_discard(&port) == DP_RC_SUCCESS)
  *     memset(&ring, 0, sizeof ring);
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`.
  */
 int dp_serial_discard(struct dp_serial *serial);
 
@@ -209,10 +190,6 @@ int dp_serial_discard(struct dp_serial *serial);
  * dp_serial_drain(&port);
  * dp_serial_close(&port);
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`.
  */
 int dp_serial_close(struct dp_serial *serial);
 
@@ -226,10 +203,6 @@ int dp_serial_close(struct dp_serial *serial);
  * if (dp_serial_read(&port, in, sizeof in, 100) < 0)
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
- *
- * # Safety
- *
- * As for `dp_serial_read`.
  */
 const char *dp_serial_error(const struct dp_serial *serial);
 

@@ -4,6 +4,7 @@ use core::ffi::{c_int, c_uchar, c_void};
 
 use super::write::write;
 use super::{GX_RC_ERROR_GENERIC, GX_RC_SUCCESS, init};
+use deltarobot_export::export;
 use deltarobot_protocols::gx::{AXES, Contour, NumberField, Vector};
 
 /// Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
@@ -15,11 +16,7 @@ use deltarobot_protocols::gx::{AXES, Contour, NumberField, Vector};
 /// gx_contour_init(&contour, 1 | 2 | 4);
 /// gx_contour_start(&contour, &position);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks; zero is a path of no axis.
     match unsafe { init(contour) }.map(|contour| contour.set_axes(mask)) {
@@ -37,11 +34,7 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
 /// if (item.kind == GX_REFUSED)
 ///     gx_contour_start(&contour, NULL);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const Vector) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { (contour.as_mut(), start.as_ref()) } {
@@ -56,6 +49,8 @@ pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const V
 /// positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
 /// to 16383, or negative: as before.
 ///
+/// position is NULL or points to six values.
+///
 /// Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
 ///
 /// ```c
@@ -63,11 +58,7 @@ pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const V
 ///     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
 ///         uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`; position is NULL or points to six values.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_contour_segment(
     contour: *mut Contour,
     number: *const NumberField,

@@ -4,6 +4,7 @@ use core::ffi::{c_int, c_void};
 
 use super::super::memory::{int, room_of};
 use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE};
+use deltarobot_export::export;
 use deltarobot_protocols::gx::{EncodeError, Format, Number, NumberField, Vector};
 use deltarobot_protocols::gx::{
     write_completed, write_move, write_position, write_refused, write_reporting, write_shortest, write_step,
@@ -22,11 +23,7 @@ use deltarobot_protocols::gx::{
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_move(
     format: c_int,
     number: *const NumberField,
@@ -55,11 +52,7 @@ pub unsafe extern "C" fn gx_write_move(
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_step(
     number: *const NumberField,
     deltas: *const Vector,
@@ -85,11 +78,7 @@ pub unsafe extern "C" fn gx_write_step(
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_shortest(
     number: *const NumberField,
     target: *const Vector,
@@ -117,11 +106,7 @@ pub unsafe extern "C" fn gx_write_shortest(
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_reporting(
     format: c_int,
     number: *const NumberField,
@@ -145,11 +130,7 @@ pub unsafe extern "C" fn gx_write_reporting(
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mut c_void, cap: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -173,11 +154,7 @@ pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mu
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_refused(
     format: c_int,
     number: *const NumberField,
@@ -201,11 +178,7 @@ pub unsafe extern "C" fn gx_write_refused(
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `gx_write_move`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn gx_write_position(
     format: c_int,
     position: *const Vector,

@@ -3,6 +3,7 @@
 use core::ffi::{c_int, c_uint, c_void};
 
 use crate::memory::bytes_of;
+use deltarobot_export::export;
 use deltarobot_protocols::line;
 
 /// The checksum of the protocol, Fletcher-16 in ones' complement: both sums begin at 255, and neither is ever 0. Of no
@@ -14,11 +15,7 @@ use deltarobot_protocols::line;
 /// unsigned int sum = olp_fletcher16(line.text, line.length);
 /// printf("%04x\n", sum);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> c_uint {
     // SAFETY: as the contract of this function asks.
     line::fletcher16(unsafe { bytes_of(bytes, length) }.unwrap_or_default()).into()
@@ -34,11 +31,7 @@ pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> 
 /// for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
 ///     sum = olp_fletcher16_more(sum, in, got);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_fletcher16`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_fletcher16_more(sum: c_uint, bytes: *const c_void, length: c_int) -> c_uint {
     let [low, high, ..] = sum.to_le_bytes();
     // SAFETY: as the contract of this function asks.

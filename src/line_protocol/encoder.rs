@@ -8,12 +8,15 @@ use super::{
     OLP_RC_TOO_LONG,
 };
 use crate::memory::{bytes_of, int, room_of, text_of};
+use deltarobot_export::export;
 use deltarobot_protocols::line::{EncodeError, Encoder};
 
 /// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
 ///
 /// `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
 /// return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
+///
+/// buf stays there until the line is finished; command is NULL or a string.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
 /// when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
@@ -24,12 +27,7 @@ use deltarobot_protocols::line::{EncodeError, Encoder};
 /// olp_add_float(&encoder, "temp", 21.5f, 2);
 /// length = olp_finish(&encoder, 1);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. buf stays there until the line is finished; command is NULL
-/// or a string.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_begin(
     encoder: *mut LineEncoder,
     buf: *mut c_char,
@@ -52,11 +50,7 @@ pub unsafe extern "C" fn olp_begin(
 /// olp_add_int(&encoder, "state", 1);
 /// length = olp_finish(&encoder, 1);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_begin`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_begin_command(
     encoder: *mut LineEncoder,
     buf: *mut c_char,
@@ -69,6 +63,9 @@ pub unsafe extern "C" fn olp_begin_command(
 
 /// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
 ///
+/// encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
+/// with a zero byte.
+///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
 /// when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
 /// returned.
@@ -77,12 +74,7 @@ pub unsafe extern "C" fn olp_begin_command(
 /// if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
 ///     puts("no room for a name");
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. encoder was made by `olp_begin` or `olp_begin_command` and
-/// its buffer is still there, or is all zero. Strings end with a zero byte.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { add(encoder, name, text_of(text), Encoder::text) }
@@ -90,16 +82,14 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
 
 /// Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
 ///
+/// text is NULL or points to that many bytes.
+///
 /// Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
 ///
 /// ```c
 /// olp_add_bytes(&encoder, "serial", in, 4);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_string`; text is NULL or points to that many bytes.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_bytes(
     encoder: *mut LineEncoder,
     name: *const c_char,
@@ -119,11 +109,7 @@ pub unsafe extern "C" fn olp_add_bytes(
 /// if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
 ///     olp_add_raw(&encoder, "t", param.value, param.value_length);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_bytes`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_raw(
     encoder: *mut LineEncoder,
     name: *const c_char,
@@ -141,11 +127,7 @@ pub unsafe extern "C" fn olp_add_raw(
 /// ```c
 /// olp_add_int(&encoder, "state", 1);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_string`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_char, value: c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { add(encoder, name, Some(value), Encoder::int) }
@@ -160,11 +142,7 @@ pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_c
 /// ```c
 /// olp_add_float(&encoder, "temp", 21.5f, 2);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_string`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_float(
     encoder: *mut LineEncoder,
     name: *const c_char,
@@ -185,11 +163,7 @@ pub unsafe extern "C" fn olp_add_float(
 /// olp_add_hex(&encoder, "checksum", message.sum);
 /// length = olp_finish(&encoder, 0);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_string`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_char, value: c_uint) -> c_int {
     let [low, high, ..] = value.to_le_bytes();
     let value = u16::from_le_bytes([low, high]);
@@ -209,11 +183,7 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// if (length > 0)
 ///     uart_write(&uart, text, length);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_add_string`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };

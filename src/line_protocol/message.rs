@@ -7,6 +7,7 @@ use super::{
     OLP_RC_MALFORMED, OLP_RC_NO_COMMAND, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
 };
 use crate::memory::{bytes_of, int, text_of};
+use deltarobot_export::export;
 use deltarobot_protocols::line::{Checksum, Malformed, Message, Param, Params};
 
 /// Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
@@ -22,11 +23,7 @@ use deltarobot_protocols::line::{Checksum, Malformed, Message, Param, Params};
 /// if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
 ///     handle_message(&message);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: *mut LineMessage) -> c_int {
     // SAFETY: as the contract of this function asks.
     let (text, message) = unsafe { (bytes_of(line.cast(), length), message.as_mut()) };
@@ -43,6 +40,8 @@ pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: 
 
 /// Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
 ///
+/// message was filled in by `olp_parse` and its line is still there, or is all zero.
+///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 /// Unless it succeeds, param is left as it was.
 ///
@@ -51,12 +50,7 @@ pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: 
 /// for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
 ///     printf("%.*s\n", param.name_length, param.name);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. message was filled in by `olp_parse` and its line is still
-/// there, or is all zero.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int, param: *mut LineParam) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -68,6 +62,8 @@ pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int,
 /// Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
 /// first `c`.
 ///
+/// name is NULL or a string.
+///
 /// Returns what `olp_param_at` does.
 ///
 /// ```c
@@ -75,11 +71,7 @@ pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int,
 /// if (olp_find(&message, "id", 0, &id) == OLP_RC_SUCCESS)
 ///     printf("from %.*s\n", id.value_length, id.value);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_param_at`; name is NULL or a string.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_find(
     message: *const LineMessage,
     name: *const c_char,

@@ -5,7 +5,7 @@ use core::ptr::null;
 
 use super::{LineText, OLP_LINE_COMPLETE, OLP_LINE_NONE, OLP_LINE_OVERLONG, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use crate::memory::{bytes_of, int};
-use crate::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::line::{Received, Receiver};
 
 /// Makes a receiver empty. All zero it is so, too.
@@ -16,13 +16,7 @@ use deltarobot_protocols::line::{Received, Receiver};
 /// struct olp_receiver receiver;
 /// olp_receiver_init(&receiver);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_receiver_init")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { receiver.as_mut() } {
@@ -31,7 +25,6 @@ pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
     }
     OLP_RC_SUCCESS
 }
-sized_alias!(olp: olp_receiver_init(receiver: *mut Receiver) -> c_int);
 
 /// Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
 /// empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
@@ -48,13 +41,7 @@ sized_alias!(olp: olp_receiver_init(receiver: *mut Receiver) -> c_int);
 ///         puts(line.text);
 /// }
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=OLP_SIZED("olp_receive")
-#[unsafe(no_mangle)]
+#[export(olp)]
 pub unsafe extern "C" fn olp_receive(
     receiver: *mut Receiver,
     buf: *const c_void,
@@ -77,9 +64,3 @@ pub unsafe extern "C" fn olp_receive(
     };
     int(taken)
 }
-sized_alias!(olp: olp_receive(
-    receiver: *mut Receiver,
-    buf: *const c_void,
-    bytes: c_int,
-    line: *mut LineText,
-) -> c_int);

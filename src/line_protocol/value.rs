@@ -8,9 +8,12 @@ use super::{
     LineMessage, LineParam, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_RANGE, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
 };
 use crate::memory::{bytes_of, int, room_of, text_of};
+use deltarobot_export::export;
 use deltarobot_protocols::line::{NumberError, Value};
 
 /// Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
+///
+/// param was filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
@@ -20,12 +23,7 @@ use deltarobot_protocols::line::{NumberError, Value};
 /// if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
 ///     printf("state %ld\n", state);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head. param was filled in by `olp_param_at` or `olp_find` and its
-/// line is still there, or is all zero.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { store(value_of(param).map(Value::int), value) }
@@ -41,11 +39,7 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
 /// if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
 ///     printf("%.2f degrees\n", (double)temperature);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_value_int`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_float) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { store(value_of(param).map(Value::float), value) }
@@ -62,11 +56,7 @@ pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_
 /// if (olp_value_string(&param, name, sizeof name) >= 0)
 ///     puts(name);
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_value_int`.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_char, cap: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { decode(value_of(param), room_of(buf.cast(), cap)) }
@@ -74,17 +64,15 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
 
 /// Whether a parameter's decoded value is that text.
 ///
+/// text is NULL or a string.
+///
 /// Returns 1 or 0; 0 when a pointer is NULL.
 ///
 /// ```c
 /// if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
 ///     puts("a device has started");
 /// ```
-///
-/// # Safety
-///
-/// As for `olp_value_int`; text is NULL or a string.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { is(value_of(param), text_of(text)) }
@@ -99,11 +87,7 @@ pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_ch
 /// if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
 ///     printf("state %ld\n", state);
 /// ```
-///
-/// # Safety
-///
-/// As theirs.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_get_int(
     message: *const LineMessage,
     name: *const c_char,
@@ -123,11 +107,7 @@ pub unsafe extern "C" fn olp_get_int(
 /// if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
 ///     printf("%.2f degrees\n", (double)temperature);
 /// ```
-///
-/// # Safety
-///
-/// As theirs.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_get_float(
     message: *const LineMessage,
     name: *const c_char,
@@ -147,11 +127,7 @@ pub unsafe extern "C" fn olp_get_float(
 /// if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
 ///     puts(name);
 /// ```
-///
-/// # Safety
-///
-/// As theirs.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_get_string(
     message: *const LineMessage,
     name: *const c_char,
@@ -171,11 +147,7 @@ pub unsafe extern "C" fn olp_get_string(
 /// if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
 ///     handle_message(&message);
 /// ```
-///
-/// # Safety
-///
-/// As theirs.
-#[unsafe(no_mangle)]
+#[export]
 pub unsafe extern "C" fn olp_is(
     message: *const LineMessage,
     name: *const c_char,

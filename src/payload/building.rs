@@ -1,13 +1,11 @@
 //! Messages of the specification, made.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super::super), which the header's head has too.
 
 use core::ffi::{c_int, c_uchar};
 
 use super::{layout_of, position_from, report_from};
 use crate::memory::int;
 use crate::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
-use crate::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 
@@ -22,18 +20,11 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 /// if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
 ///     dp_send(&msg, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_build")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto).as_ref(), Layout::Auto) }
 }
-sized_alias!(dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int);
 
 /// Makes an acknowledgement of the request with the opcode answered, which is not checked.
 ///
@@ -44,18 +35,11 @@ sized_alias!(dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int);
 /// dp_build_ack(&answer, msg.opcode);
 /// dp_send(&answer, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_build_ack")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
 }
-sized_alias!(dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 
 /// Makes a refusal of the request with the opcode answered, which is not checked.
 ///
@@ -66,18 +50,11 @@ sized_alias!(dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 /// dp_build_nack(&answer, DP_OPCODE_MOVE);
 /// dp_send(&answer, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_build_nack")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe { build(msg, Some(&Message::Nack(Opcode(answered))), Layout::Auto) }
 }
-sized_alias!(dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 
 /// Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
 ///
@@ -89,13 +66,7 @@ sized_alias!(dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int);
 /// if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
 ///     dp_send(&msg, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_build_move")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(target) = (unsafe { position_from(target) }) else {
@@ -104,7 +75,6 @@ pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Pos
     // SAFETY: as the contract of this function asks.
     unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
 }
-sized_alias!(dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int);
 
 /// Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
 /// zero.
@@ -117,13 +87,7 @@ sized_alias!(dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_
 /// if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
 ///     dp_send(&msg, uart_send, &uart);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_build_status_report")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_build_status_report(
     msg: *mut ProtocolMsg,
     report: *const StatusReport,
@@ -136,7 +100,6 @@ pub unsafe extern "C" fn dp_build_status_report(
     // SAFETY: as the contract of this function asks.
     unsafe { build(msg, Some(&Message::StatusReport(report)), layout) }
 }
-sized_alias!(dp_build_status_report(msg: *mut ProtocolMsg, report: *const StatusReport, layout: c_int) -> c_int);
 
 /// Fills in a message; leaves it alone when there is none to write or it does not fit.
 ///

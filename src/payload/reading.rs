@@ -1,12 +1,10 @@
 //! What messages say.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super::super), which the header's head has too.
 
 use core::ffi::{c_int, c_uchar};
 
 use super::{layout_of, payload_of, position_to, report_to};
 use crate::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
-use crate::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::deltarobot::{Layout, Message, Opcode};
 
 /// Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
@@ -18,13 +16,7 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode};
 ///     if (dp_msg_check(&msg) == DP_RC_SUCCESS)
 ///         handle(&msg);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_msg_check")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { read(msg, Layout::Auto) } {
@@ -32,7 +24,6 @@ pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
         None => DP_RC_ERROR_GENERIC,
     }
 }
-sized_alias!(dp_msg_check(msg: *const ProtocolMsg) -> c_int);
 
 /// Reads from an ack or a nack which opcode it answers.
 ///
@@ -44,13 +35,7 @@ sized_alias!(dp_msg_check(msg: *const ProtocolMsg) -> c_int);
 /// if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
 ///     printf("refused: %s\n", dp_opcode_name(answered));
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_read_answer")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> c_int {
     // SAFETY: as the contract of this function asks.
     match (unsafe { read(msg, Layout::Auto) }, unsafe { answered.as_mut() }) {
@@ -59,7 +44,6 @@ pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut 
     }
     DP_RC_SUCCESS
 }
-sized_alias!(dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> c_int);
 
 /// Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
 ///
@@ -71,13 +55,7 @@ sized_alias!(dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> 
 /// if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
 ///     motors_move(target.DA, target.DB, target.DC);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_read_move")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_int {
     // SAFETY: as the contract of this function asks.
     match unsafe { read(msg, Layout::Auto) } {
@@ -87,7 +65,6 @@ pub unsafe extern "C" fn dp_read_move(msg: *const ProtocolMsg, target: *mut Posi
     }
     DP_RC_SUCCESS
 }
-sized_alias!(dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_int);
 
 /// Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
 /// signalling one from shipped firmware. Reserved bits of STAT are cleared.
@@ -100,13 +77,7 @@ sized_alias!(dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_i
 /// if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
 ///     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_read_status_report")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_read_status_report(
     msg: *const ProtocolMsg,
     layout: c_int,
@@ -123,7 +94,6 @@ pub unsafe extern "C" fn dp_read_status_report(
     }
     DP_RC_SUCCESS
 }
-sized_alias!(dp_read_status_report(msg: *const ProtocolMsg, layout: c_int, report: *mut StatusReport) -> c_int);
 
 /// What a message says, if it is one of the specification's.
 ///

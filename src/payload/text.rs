@@ -1,13 +1,11 @@
 //! Messages in words.
-//!
-//! Pointers, threads and interrupts: the rules of [`ffi`](super::super), which the header's head has too.
 
 use core::ffi::{c_char, c_int, c_uchar};
 
 use super::payload_of;
 use crate::memory::int;
 use crate::protocol::{DP_RC_ERROR_GENERIC, ProtocolMsg};
-use crate::sized_alias;
+use deltarobot_export::export;
 use deltarobot_protocols::deltarobot::{Opcode, TEXT_MAX, describe};
 
 /// Size of a buffer that the text of any message fits in.
@@ -23,7 +21,7 @@ const _: () = assert!(DP_MSG_TEXT_MAX as usize == TEXT_MAX);
 /// ```c
 /// printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
 /// ```
-#[unsafe(no_mangle)]
+#[export]
 pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
     Opcode(opcode).name().as_ptr()
 }
@@ -43,13 +41,7 @@ pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
 /// if (dp_msg_format(&msg, text, sizeof text) > 0)
 ///     puts(text);
 /// ```
-///
-/// # Safety
-///
-/// Pointers, threads and interrupts: the rules at the head.
-///
-/// cbindgen:postfix=DP_SIZED("dp_msg_format")
-#[unsafe(no_mangle)]
+#[export(dp)]
 pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int {
     let room = match usize::try_from(cap) {
         Ok(cap) if !msg.is_null() && (cap == 0 || !buf.is_null()) => cap,
@@ -72,4 +64,3 @@ pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char
     }
     int(length)
 }
-sized_alias!(dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int);
