@@ -1,6 +1,6 @@
 //! Memory of callers, as pointers and sizes from C tell of it, and numbers as C has them.
 
-use core::ffi::{c_char, c_int, c_long, c_void};
+use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;
 use core::slice;
 
@@ -42,6 +42,23 @@ pub(super) const fn int(bytes: usize) -> c_int {
 #[allow(clippy::unnecessary_fallible_conversions, reason = "where it has 64")]
 pub(super) fn long(time: u32) -> c_long {
     c_long::try_from(time).unwrap_or(c_long::MAX)
+}
+
+/// A time of a caller's clock: the lowest 32 bits count.
+#[allow(clippy::cast_possible_truncation, reason = "where unsigned long has 64 bits")]
+pub(super) const fn time(now_ms: c_ulong) -> u32 {
+    now_ms as u32
+}
+
+/// A duration from a caller's settings, as much of it as 32 bits hold.
+#[allow(clippy::unnecessary_fallible_conversions, reason = "where unsigned long has 32 bits")]
+pub(super) fn duration(ms: c_ulong) -> u32 {
+    u32::try_from(ms).unwrap_or(u32::MAX)
+}
+
+/// A number from a caller's settings, as much of it as 16 bits hold.
+pub(super) fn short(number: c_int) -> i16 {
+    i16::try_from(number).unwrap_or(if number < 0 { i16::MIN } else { i16::MAX })
 }
 
 /// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
