@@ -89,10 +89,12 @@ endif
 	@echo "lib: libdeltarobot $(VERSION) for $(DP_BUFSIZE)/$(DP_DATA_MAX_SIZE) bytes is in $(OUT)"
 
 # Only cargo knows what has changed, so it is always asked; but the steps behind it look at what it made.
-# No std in it; of other libraries the .so needs libc, and that only for the serial port.
+# No std in it; of other libraries the .so needs libc, and that only for the serial port. Firmware may have no memcpy, so
+# copy loops must not become calls of it. (`#![no_builtins]` would say so too, but keeps a crate out of the link-time
+# optimization that makes one piece of the C ABI and the core.)
 $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
-	+$(Q)DP_HEADER_DIR='$(GENERATED)' $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
+	+$(Q)DP_HEADER_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
 	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
 	    --crate-type staticlib$(if $(filter yes,$(SHARED)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \

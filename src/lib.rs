@@ -17,9 +17,6 @@
 //! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export) does
 //! both.
 #![no_std]
-// Firmware may have no memcpy to link, and what `make` ships depends on no library: without this the compiler would
-// turn copy loops into calls of memcpy.
-#![no_builtins]
 
 #[cfg(feature = "std")]
 extern crate std;

@@ -4,7 +4,7 @@ use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;
 use core::slice;
 
-/// Sets a value to zero without a call of memset, byte by byte.
+/// Sets a value to zero, by volatile writes, or they would become a call of memset.
 ///
 /// # Safety
 ///
@@ -12,7 +12,7 @@ use core::slice;
 pub(super) unsafe fn zero<T>(out: *mut T) {
     for place in 0..size_of::<T>() {
         // SAFETY: as the contract of this function asks.
-        unsafe { out.cast::<u8>().add(place).write(0) };
+        unsafe { out.cast::<u8>().add(place).write_volatile(0) };
     }
 }
 

@@ -34,7 +34,8 @@ pub(crate) unsafe trait Room: Sized {
         unsafe { room.cast::<Self::State>().as_ref() }
     }
 
-    /// Makes any memory a new state, or returns `None` for NULL. Word by word, which never becomes a call of memset.
+    /// Makes any memory a new state, or returns `None` for NULL. By volatile writes, or they would become a call of
+    /// memset, which nobody may have.
     ///
     /// # Safety
     ///
@@ -45,7 +46,7 @@ pub(crate) unsafe trait Room: Sized {
         }
         for word in 0..size_of::<Self>() / size_of::<c_ulong>() {
             // SAFETY: the object consists of so many words.
-            unsafe { room.cast::<c_ulong>().add(word).write(0) };
+            unsafe { room.cast::<c_ulong>().add(word).write_volatile(0) };
         }
         // SAFETY: the same contract.
         unsafe { Self::get(room) }

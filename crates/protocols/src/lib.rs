@@ -4,8 +4,6 @@
 //! Nothing allocates, blocks or does I/O, and nothing keeps state of its own.
 #![no_std]
 #![forbid(unsafe_code)]
-// The C ABI that is built of this links no memcpy: without this the compiler would turn copy loops into calls of it.
-#![no_builtins]
 #![cfg_attr(
     test,
     allow(
