@@ -32,7 +32,7 @@ const HEADERS: [(&str, &str, &[&str]); 13] = [
         ],
     ),
     ("libdeltarobot/controller.h", "controller", &["crates/protocols/src/deltarobot/controller.rs"]),
-    ("libdeltarobot/serial.h", "serial", &["src/port.rs"]),
+    ("libdeltarobot/serial.h", "serial", &[]),
     (
         "libdeltarobot/line_protocol.h",
         "line_protocol",

@@ -3,26 +3,72 @@
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 use deltarobot_export::export;
 
-use super::memory::{bytes_of, int, room_of, zero};
+use super::memory::{bytes_of, int, room_of};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
-use crate::port::{Failed, Port};
+use crate::port::{self, Failed, Line, Port};
+use crate::state::{Room, state};
 
 /// The system has reported an error: `dp_serial_error` says which.
 pub const DP_RC_DEVICE: c_int = 7;
+/// The speed of the deltarobot link in baud (specification, section "Serial").
+pub const DP_SERIAL_BAUD: c_ulong = 115_200;
 /// How long `dp_serial_send` waits for room, in milliseconds.
 pub const DP_SERIAL_SEND_MS: c_long = 1000;
+/// A line is asserted.
+pub const DP_SERIAL_ON: c_int = 1;
+/// A line is not asserted.
+pub const DP_SERIAL_OFF: c_int = -1;
 
-/// Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as
-/// they are.
+/// Words of a struct dp_serial.
+pub const DP_SERIAL_WORDS: usize = 384 / size_of::<c_ulong>();
+
+/// A serial port. All zero is a closed one.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Serial {
+    opaque: [c_ulong; DP_SERIAL_WORDS],
+}
+state!(Serial: Port);
+
+/// How a port is opened and closed. All zero is what `dp_serial_open` does.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub struct Settings {
+    /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
+    baud: c_ulong,
+    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored where
+    /// there is no such line, as in a pseudo-terminal.
+    ///
+    /// Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
+    /// that shall not be reset has to be closed with `keep_lines` the time before.
+    dtr: c_int,
+    /// RTS after opening, likewise. Both change at once.
+    rts: c_int,
+    /// Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
+    /// Windows always drops them.
+    keep_lines: c_int,
+}
+
+impl From<Settings> for port::Settings {
+    fn from(settings: Settings) -> Self {
+        let Settings { baud, dtr, rts, keep_lines } = settings;
+        let level = |line: c_int| (line != 0).then_some(line > 0);
+        let baud = if baud == 0 { DP_SERIAL_BAUD } else { baud };
+        Self { baud, dtr: level(dtr), rts: level(rts), keep_lines: keep_lines != 0 }
+    }
+}
+
+/// Opens a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
 ///
-/// baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long
-/// as it is open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal,
-/// otherwise. What was received before is thrown away.
+/// device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
+/// near to (2 %), 0 for `DP_SERIAL_BAUD`. It waits for no carrier. As long as it is open, nobody else can open the
+/// device by this function or, unless as root or if it is a pseudo-terminal, otherwise. What was received before is
+/// discarded.
 ///
-/// device is NULL or a string. A port that is open must be closed first: else its file descriptor is lost.
+/// device is NULL or a string. An open port must be closed first: else its file descriptor is lost.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
-/// is NULL. When it did not succeed, the port is closed: it need not be, but can be, closed.
+/// is NULL. Unless it succeeded, the port is closed.
 ///
 /// ```c
 /// struct dp_serial port;
@@ -30,27 +76,49 @@ pub const DP_SERIAL_SEND_MS: c_long = 1000;
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char, baud: c_ulong) -> c_int {
-    if serial.is_null() {
+pub unsafe extern "C" fn dp_serial_open(serial: *mut Serial, device: *const c_char, baud: c_ulong) -> c_int {
+    // SAFETY: the caller promises the same of these pointers.
+    unsafe { open(serial, device, Settings { baud, ..Settings::default() }) }
+}
+
+/// Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
+///
+/// Returns what `dp_serial_open` does.
+///
+/// ```c
+/// struct dp_serial_settings settings = {0};
+/// settings.baud = 250000;
+/// settings.keep_lines = 1;
+/// dp_serial_open_with(&port, "/dev/ttyACM0", &settings);
+/// ```
+#[export]
+pub unsafe extern "C" fn dp_serial_open_with(
+    serial: *mut Serial,
+    device: *const c_char,
+    settings: *const Settings,
+) -> c_int {
+    // SAFETY: settings are NULL or whole; the rest as above.
+    unsafe { open(serial, device, settings.as_ref().copied().unwrap_or_default()) }
+}
+
+/// # Safety
+///
+/// As for `dp_serial_open`.
+unsafe fn open(serial: *mut Serial, device: *const c_char, settings: Settings) -> c_int {
+    // SAFETY: serial is NULL or writable; what it held is overwritten.
+    let Some(port) = (unsafe { Serial::init(serial) }) else { return DP_RC_ERROR_GENERIC };
+    if device.is_null() {
         return DP_RC_ERROR_GENERIC;
     }
-    // SAFETY: as the contract of this function asks; zero is a port that is closed.
-    unsafe {
-        zero(serial);
-        if device.is_null() {
-            return DP_RC_ERROR_GENERIC;
-        }
-        code((*serial).open(CStr::from_ptr(device), baud))
-    }
+    // SAFETY: not NULL, so it is a string.
+    code(port.open(unsafe { CStr::from_ptr(device) }, &settings.into()))
 }
 
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
-/// negative), or until a signal was handled.
-///
-/// serial was opened or is all zero.
+/// negative), or until a signal was handled. serial was opened or is all zero, here and below.
 ///
 /// Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it
-/// received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf
+/// received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, cap is negative, or buf
 /// is NULL and cap is not 0.
 ///
 /// ```c
@@ -59,11 +127,15 @@ pub unsafe extern "C" fn dp_serial_open(serial: *mut Port, device: *const c_char
 ///     dp_process(&ring, in, got);
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap: c_int, timeout_ms: c_long) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (port, out) = unsafe { (serial.as_mut(), room_of(buf, cap)) };
-    match (port, out) {
-        (Some(port), Some(out)) if port.is_open() => count(port.read(out, timeout_ms).map(<[u8]>::len)),
+pub unsafe extern "C" fn dp_serial_read(
+    serial: *mut Serial,
+    buf: *mut c_void,
+    cap: c_int,
+    timeout_ms: c_long,
+) -> c_int {
+    // SAFETY: serial is NULL or whole, and buf NULL or writable for cap bytes.
+    match unsafe { (opened(serial), room_of(buf, cap)) } {
+        (Some(port), Some(out)) => count(port.read(out, timeout_ms).map(<[u8]>::len)),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
@@ -72,7 +144,7 @@ pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap
 /// end it.
 ///
 /// Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
-/// has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes
+/// has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
 /// is not 0.
 ///
 /// ```c
@@ -82,25 +154,22 @@ pub unsafe extern "C" fn dp_serial_read(serial: *mut Port, buf: *mut c_void, cap
 /// ```
 #[export]
 pub unsafe extern "C" fn dp_serial_write(
-    serial: *mut Port,
+    serial: *mut Serial,
     buf: *const c_void,
     bytes: c_int,
     timeout_ms: c_long,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (port, input) = unsafe { (serial.as_mut(), bytes_of(buf, bytes)) };
-    match (port, input) {
-        (Some(port), Some(input)) if port.is_open() => count(port.write(input, timeout_ms)),
+    // SAFETY: serial is NULL or whole, and buf NULL or readable for that many bytes.
+    match unsafe { (opened(serial), bytes_of(buf, bytes)) } {
+        (Some(port), Some(input)) => count(port.write(input, timeout_ms)),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
 
 /// Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
 ///
-/// usr is the port.
-///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
-/// `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
+/// `DP_RC_ERROR_GENERIC` when usr is NULL or closed, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
@@ -108,10 +177,9 @@ pub unsafe extern "C" fn dp_serial_write(
 /// ```
 #[export]
 pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (port, input) = unsafe { (usr.cast::<Port>().as_mut(), bytes_of(buf, bytes)) };
-    match (port, input) {
-        (Some(port), Some(input)) if port.is_open() => code(port.send(input, DP_SERIAL_SEND_MS)),
+    // SAFETY: usr is NULL or a whole port, and buf NULL or readable for that many bytes.
+    match unsafe { (opened(usr.cast()), bytes_of(buf, bytes)) } {
+        (Some(port), Some(input)) => code(port.send(input, DP_SERIAL_SEND_MS)),
         _ => DP_RC_ERROR_GENERIC,
     }
 }
@@ -119,7 +187,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 /// Waits until all that was written was sent, however long that takes. Signals don't end it.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
-/// NULL or not open.
+/// NULL or closed.
 ///
 /// ```c
 /// dp_serial_send(out, length, &port);
@@ -127,15 +195,12 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 ///     sent_at = now_ms();
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { serial.as_mut() } {
-        Some(port) if port.is_open() => code(port.drain()),
-        _ => DP_RC_ERROR_GENERIC,
-    }
+pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.drain()))
 }
 
-/// Throws away what was received and not read.
+/// Discards what was received and not read.
 ///
 /// Returns what `dp_serial_drain` does.
 ///
@@ -144,32 +209,67 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Port) -> c_int {
 ///     memset(&ring, 0, sizeof ring);
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_discard(serial: *mut Port) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { serial.as_mut() } {
-        Some(port) if port.is_open() => code(port.discard()),
-        _ => DP_RC_ERROR_GENERIC,
-    }
+pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.discard()))
+}
+
+/// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
+///
+/// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when there is no such line, as in a pseudo-terminal, or the device has
+/// disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or closed.
+///
+/// ```c
+/// dp_serial_set_dtr(&port, 0);
+/// dp_serial_read(&port, in, sizeof in, 100);
+/// dp_serial_set_dtr(&port, 1);
+/// ```
+#[export]
+pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Dtr, on > 0)))
+}
+
+/// Sets RTS, as `dp_serial_set_dtr` sets DTR.
+///
+/// Returns what `dp_serial_set_dtr` does.
+///
+/// ```c
+/// dp_serial_set_rts(&port, DP_SERIAL_OFF);
+/// ```
+#[export]
+pub unsafe extern "C" fn dp_serial_set_rts(serial: *mut Serial, on: c_int) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Rts, on > 0)))
+}
+
+/// The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
+///
+/// Returns it, or -1 when serial is NULL or closed.
+///
+/// ```c
+/// int fd = dp_serial_handle(&port);
+/// ```
+#[export]
+pub unsafe extern "C" fn dp_serial_handle(serial: *const Serial) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    unsafe { Serial::peek(serial) }.and_then(Port::handle).unwrap_or(-1)
 }
 
 /// Closes it. What was written is still sent.
 ///
-/// Returns `DP_RC_SUCCESS`, also when it was not open, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+/// Returns `DP_RC_SUCCESS`, also when it was closed, or `DP_RC_ERROR_GENERIC` when serial is NULL.
 ///
 /// ```c
 /// dp_serial_drain(&port);
 /// dp_serial_close(&port);
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { serial.as_mut() } {
-        Some(port) => {
-            port.close();
-            DP_RC_SUCCESS
-        }
-        None => DP_RC_ERROR_GENERIC,
-    }
+pub unsafe extern "C" fn dp_serial_close(serial: *mut Serial) -> c_int {
+    // SAFETY: serial is NULL or whole.
+    let Some(port) = (unsafe { Serial::get(serial) }) else { return DP_RC_ERROR_GENERIC };
+    port.close();
+    DP_RC_SUCCESS
 }
 
 /// The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
@@ -182,9 +282,19 @@ pub unsafe extern "C" fn dp_serial_close(serial: *mut Port) -> c_int {
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
 #[export]
-pub unsafe extern "C" fn dp_serial_error(serial: *const Port) -> *const c_char {
-    // SAFETY: as the contract of this function asks.
-    unsafe { serial.as_ref() }.map_or(c"".as_ptr(), |port| port.error().as_ptr())
+pub unsafe extern "C" fn dp_serial_error(serial: *const Serial) -> *const c_char {
+    // SAFETY: serial is NULL or whole.
+    unsafe { Serial::peek(serial) }.map_or(c"".as_ptr(), |port| port.error().as_ptr())
+}
+
+/// The port, if it is open.
+///
+/// # Safety
+///
+/// As for `dp_serial_read`.
+unsafe fn opened<'a>(serial: *mut Serial) -> Option<&'a mut Port> {
+    // SAFETY: serial is NULL or whole, and this call's alone.
+    unsafe { Serial::get(serial) }.filter(|port| port.is_open())
 }
 
 fn code(result: Result<(), Failed>) -> c_int {

@@ -4,7 +4,7 @@ use std::ffi::CString;
 use std::mem::MaybeUninit;
 use std::time::{Duration, Instant};
 
-use deltarobot::port::Port;
+use deltarobot::port::{Port, Settings};
 
 use super::{PATIENCE, Running};
 
@@ -26,7 +26,7 @@ impl Talk {
 
     pub(super) fn open(&mut self) {
         let device = CString::new(self.sim.device.as_str()).unwrap();
-        assert!(self.port.open(&device, 115_200).is_ok(), "{:?}", self.port.error());
+        assert!(self.port.open(&device, &Settings::at(115_200)).is_ok(), "{:?}", self.port.error());
     }
 
     pub(super) fn close(&mut self) {

@@ -11,10 +11,12 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <termios.h>
@@ -79,12 +81,11 @@ static void check_error(const struct dp_serial *port, const char *device, const 
 static void layout(void)
 {
     CHECK_INT(DP_RC_DEVICE, 7);
-    CHECK_INT(offsetof(struct dp_serial, fd), 0);
-    CHECK_INT(offsetof(struct dp_serial, is_open), sizeof(int));
-    CHECK_INT(offsetof(struct dp_serial, has_failed), 2 * sizeof(int));
-    CHECK_INT(offsetof(struct dp_serial, name_length), 3 * sizeof(int));
-    CHECK_INT(offsetof(struct dp_serial, text), 4 * sizeof(int));
-    CHECK_INT(sizeof(struct dp_serial), 4 * sizeof(int) + DP_SERIAL_TEXT_MAX);
+    CHECK_INT(sizeof(struct dp_serial), 384);
+    CHECK_INT(offsetof(struct dp_serial_settings, dtr), sizeof(long));
+    CHECK_INT(offsetof(struct dp_serial_settings, rts), sizeof(long) + sizeof(int));
+    CHECK_INT(offsetof(struct dp_serial_settings, keep_lines), sizeof(long) + 2 * sizeof(int));
+    CHECK(DP_SERIAL_ON > 0 && DP_SERIAL_OFF < 0);
 }
 
 static void settings_are_those_of_the_link(void)
@@ -101,7 +102,7 @@ static void settings_are_those_of_the_link(void)
     for (i = 0; i < sizeof speeds / sizeof *speeds; ++i) {
         struct termios got;
         CHECK_INT(dp_serial_open(&pair.port, pair.device, speeds[i].baud), DP_RC_SUCCESS);
-        CHECK_INT(tcgetattr(pair.port.fd, &got), 0);
+        CHECK_INT(tcgetattr(dp_serial_handle(&pair.port), &got), 0);
         CHECK_INT(cfgetospeed(&got), speeds[i].speed);
         CHECK_INT(cfgetispeed(&got), speeds[i].speed);
         CHECK((got.c_cflag & CSIZE) == CS8);
@@ -111,13 +112,188 @@ static void settings_are_those_of_the_link(void)
         CHECK((got.c_iflag & (IXON | IXOFF | ICRNL | INLCR | IGNCR | ISTRIP | PARMRK | BRKINT | IGNBRK)) == 0);
         CHECK((got.c_oflag & OPOST) == 0);
         CHECK(got.c_cc[VMIN] == 1 && got.c_cc[VTIME] == 0);
-        CHECK((fcntl(pair.port.fd, F_GETFL) & O_NONBLOCK) != 0);
-        CHECK((fcntl(pair.port.fd, F_GETFD) & FD_CLOEXEC) != 0);
+        CHECK((fcntl(dp_serial_handle(&pair.port), F_GETFL) & O_NONBLOCK) != 0);
+        CHECK((fcntl(dp_serial_handle(&pair.port), F_GETFD) & FD_CLOEXEC) != 0);
         CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
     }
-    CHECK_INT(dp_serial_open(&pair.port, pair.device, 12345), DP_RC_DEVICE);
-    check_error(&pair.port, pair.device, ": 12345 baud is no standard speed");
     close(pair.far_end);
+}
+
+#if defined(__linux__) && defined(__GLIBC__)
+/* A driver between the library and the pseudo-terminal: with modem lines, and with speeds that divide its clock. */
+static struct {
+    int has_lines, lines;
+    int changes[4], change_count; /* to what the lines were set */
+    unsigned clock;
+    int is_exclusive, keeps_lines;
+} driver;
+
+/* Linux' own settings; their header can't be included beside <termios.h>. */
+struct kernel_termios {
+    unsigned iflag, oflag, cflag, lflag;
+    unsigned char line, cc[19];
+    unsigned ispeed, ospeed;
+};
+#define GET_SETTINGS 0x802C542AUL
+#define SET_SETTINGS 0x402C542BUL
+
+/* The library's calls come here. */
+int ioctl(int fd, unsigned long request, ...)
+{
+    struct kernel_termios settings;
+    va_list rest;
+    void *argument;
+
+    va_start(rest, request);
+    argument = va_arg(rest, void *);
+    va_end(rest);
+    if (driver.has_lines && request == TIOCMGET) {
+        *(int *)argument = driver.lines;
+        return 0;
+    }
+    if (driver.has_lines && request == TIOCMSET) {
+        driver.lines = *(const int *)argument;
+        driver.changes[driver.change_count++ & 3] = driver.lines;
+        return 0;
+    }
+    if (request == TIOCEXCL || request == TIOCNXCL)
+        driver.is_exclusive = request == TIOCEXCL;
+    if (request == SET_SETTINGS) {
+        settings = *(const struct kernel_termios *)argument;
+        driver.keeps_lines = (settings.cflag & HUPCL) == 0;
+        if (driver.clock != 0) {
+            settings.cflag = (settings.cflag & ~(unsigned)CBAUD) | 0010000;
+            settings.ospeed = driver.clock / ((driver.clock + settings.ospeed / 2) / settings.ospeed);
+        }
+        argument = &settings;
+    }
+    return (int)syscall(SYS_ioctl, fd, request, argument);
+}
+
+static void any_speed_can_be_had(void)
+{
+    static const unsigned long speeds[] = {250000, 74880, 31250, 12345, 110, 460800, 4000000};
+    struct pair pair;
+    struct kernel_termios got;
+    size_t i;
+
+    make_pty(&pair);
+    for (i = 0; i < sizeof speeds / sizeof *speeds; ++i) {
+        CHECK_INT(dp_serial_open(&pair.port, pair.device, speeds[i]), DP_RC_SUCCESS);
+        CHECK_INT(ioctl(dp_serial_handle(&pair.port), GET_SETTINGS, &got), 0);
+        CHECK_INT(got.ospeed, speeds[i]);
+        CHECK_INT(got.ispeed, speeds[i]);
+        CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    }
+    if (sizeof(long) > 4) {
+        /* Not its lowest 32 bits. */
+        CHECK_INT(dp_serial_open(&pair.port, pair.device, (1UL << 31) * 2 + 9600), DP_RC_DEVICE);
+        check_error(&pair.port, pair.device, ": can't be set to 4294976896 baud 8N1");
+    }
+
+    /* 3 MHz divided by whole numbers are within 2 % of the slower ones. */
+    driver.clock = 3000000;
+    for (i = 0; i < 5; ++i) {
+        CHECK_INT(dp_serial_open(&pair.port, pair.device, speeds[i]), DP_RC_SUCCESS);
+        CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    }
+    CHECK_INT(dp_serial_open(&pair.port, pair.device, 921600), DP_RC_DEVICE); /* 8 % too fast */
+    check_error(&pair.port, pair.device, ": can't be set to 921600 baud 8N1");
+    driver.clock = 0;
+    close(pair.far_end);
+}
+
+static void lines_are_set(void)
+{
+    static const int BOTH = TIOCM_DTR | TIOCM_RTS;
+    static const struct {
+        int dtr, rts, changes, lines;
+    } cases[] = {
+        {0, 0, 0, TIOCM_DTR | TIOCM_RTS},
+        {DP_SERIAL_ON, DP_SERIAL_ON, 0, TIOCM_DTR | TIOCM_RTS},
+        {DP_SERIAL_OFF, 0, 1, TIOCM_RTS},
+        {0, DP_SERIAL_OFF, 1, TIOCM_DTR},
+        {DP_SERIAL_OFF, DP_SERIAL_OFF, 1, 0}, /* both at once */
+    };
+    struct pair pair;
+    struct dp_serial_settings settings;
+    size_t i;
+
+    make_pty(&pair);
+    memset(&settings, 0, sizeof settings);
+    driver.has_lines = 1;
+    for (i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        driver.lines = BOTH | TIOCM_CTS; /* as the system opens it */
+        driver.change_count = 0;
+        settings.dtr = cases[i].dtr;
+        settings.rts = cases[i].rts;
+        CHECK_INT(dp_serial_open_with(&pair.port, pair.device, &settings), DP_RC_SUCCESS);
+        CHECK(driver.is_exclusive);
+        CHECK_INT(driver.change_count, cases[i].changes);
+        CHECK_INT(driver.lines & BOTH, cases[i].lines);
+        CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+        CHECK(!driver.is_exclusive);
+    }
+
+    driver.lines = TIOCM_DTR;
+    CHECK_INT(dp_serial_open_with(&pair.port, pair.device, NULL), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_set_rts(&pair.port, 1), DP_RC_SUCCESS);
+    CHECK_INT(driver.lines, BOTH);
+    CHECK_INT(dp_serial_set_dtr(&pair.port, DP_SERIAL_OFF), DP_RC_SUCCESS);
+    CHECK_INT(driver.lines, TIOCM_RTS);
+    CHECK_INT(dp_serial_set_rts(&pair.port, 0), DP_RC_SUCCESS);
+    CHECK_INT(driver.lines, 0);
+    CHECK_INT(dp_serial_set_dtr(&pair.port, DP_SERIAL_ON), DP_RC_SUCCESS);
+    CHECK_INT(driver.lines, TIOCM_DTR);
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK_INT(driver.lines, TIOCM_DTR);
+    driver.has_lines = 0;
+    close(pair.far_end);
+}
+
+static void closing_can_keep_the_lines(void)
+{
+    struct pair pair;
+    struct termios serial_port;
+    struct dp_serial_settings settings;
+
+    make_pty(&pair);
+    memset(&settings, 0, sizeof settings);
+    CHECK_INT(dp_serial_open_with(&pair.port, pair.device, &settings), DP_RC_SUCCESS);
+    CHECK_INT(tcgetattr(dp_serial_handle(&pair.port), &serial_port), 0);
+    serial_port.c_cflag |= HUPCL; /* which pseudo-terminals don't have to begin with */
+    CHECK_INT(tcsetattr(dp_serial_handle(&pair.port), TCSANOW, &serial_port), 0);
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_open_with(&pair.port, pair.device, &settings), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK(!driver.keeps_lines);
+    settings.keep_lines = 1;
+    CHECK_INT(dp_serial_open_with(&pair.port, pair.device, &settings), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK(driver.keeps_lines);
+    CHECK_INT(dp_serial_open(&pair.port, pair.device, 0), DP_RC_SUCCESS); /* as it was found */
+    CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
+    CHECK(driver.keeps_lines);
+    close(pair.far_end);
+}
+#endif
+
+/* Asked for when opening they are ignored, so that a simulator passes for a board. */
+static void a_pseudo_terminal_has_no_lines(void)
+{
+    struct pair pair;
+    struct dp_serial_settings settings;
+
+    make_pty(&pair);
+    memset(&settings, 0, sizeof settings);
+    settings.dtr = DP_SERIAL_OFF;
+    settings.rts = DP_SERIAL_ON;
+    CHECK_INT(dp_serial_open_with(&pair.port, pair.device, &settings), DP_RC_SUCCESS);
+    CHECK_INT(dp_serial_set_dtr(&pair.port, 1), DP_RC_DEVICE);
+    check_error(&pair.port, pair.device, ": has no such line");
+    CHECK_INT(dp_serial_set_rts(&pair.port, 0), DP_RC_DEVICE);
+    disconnect_pair(&pair);
+    CHECK_INT(dp_serial_set_dtr(&pair.port, 1), DP_RC_ERROR_GENERIC);
 }
 
 static void bytes_pass_as_they_are(void)
@@ -148,7 +324,7 @@ static void bytes_pass_as_they_are(void)
     CHECK_BYTES(got, all, 256);
 
     CHECK_INT(write(pair.far_end, all, 256), 256);
-    while (poll(&(struct pollfd){pair.port.fd, POLLIN, 0}, 1, 1000) == 0)
+    while (poll(&(struct pollfd){dp_serial_handle(&pair.port), POLLIN, 0}, 1, 1000) == 0)
         ;
     CHECK_INT(dp_serial_discard(&pair.port), DP_RC_SUCCESS);
     CHECK_INT(dp_serial_read(&pair.port, got, 100, 50), 0);
@@ -179,11 +355,11 @@ static void the_device_is_exclusive(void)
     struct termios before, after;
 
     connect_pair(&pair);
-    CHECK_INT(tcgetattr(pair.port.fd, &before), 0);
+    CHECK_INT(tcgetattr(dp_serial_handle(&pair.port), &before), 0);
     CHECK_INT(dp_serial_open(&second, pair.device, 9600), DP_RC_DEVICE);
     check_error(&second, pair.device, ": in use by another program");
     CHECK_INT(dp_serial_read(&second, &before, 1, 0), -DP_RC_ERROR_GENERIC);
-    CHECK_INT(tcgetattr(pair.port.fd, &after), 0);
+    CHECK_INT(tcgetattr(dp_serial_handle(&pair.port), &after), 0);
     CHECK_INT(cfgetospeed(&after), B115200); /* who was refused has changed nothing */
     CHECK_INT(dp_serial_close(&pair.port), DP_RC_SUCCESS);
     CHECK_INT(dp_serial_open(&second, pair.device, 9600), DP_RC_SUCCESS);
@@ -339,7 +515,7 @@ static void writing_ends_in_time(void)
     CHECK_INT(dp_serial_write(&pair.port, bytes, 1, 0), 0);
     CHECK_INT(dp_serial_send(bytes, MEGABYTE, &pair.port), DP_RC_DEVICE);
     check_error(&pair.port, pair.device, ": no bytes were taken in time");
-    CHECK_INT(tcflush(pair.port.fd, TCOFLUSH), 0);
+    CHECK_INT(tcflush(dp_serial_handle(&pair.port), TCOFLUSH), 0);
     disconnect_pair(&pair);
 }
 
@@ -428,7 +604,12 @@ static void nulls_and_negative_sizes(void)
     CHECK_INT(dp_serial_read(NULL, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_write(NULL, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_send(&byte, 1, NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_open_with(NULL, "/dev/null", NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_open_with(&zero, NULL, NULL), DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_drain(NULL), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_set_dtr(NULL, 1), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_set_rts(NULL, 1), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_handle(NULL), -1);
     CHECK_INT(dp_serial_discard(NULL), DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_close(NULL), DP_RC_ERROR_GENERIC);
     CHECK(dp_serial_error(NULL)[0] == '\0');
@@ -439,6 +620,8 @@ static void nulls_and_negative_sizes(void)
     CHECK_INT(dp_serial_write(&zero, &byte, 1, 0), -DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_drain(&zero), DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_serial_discard(&zero), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_set_dtr(&zero, 1), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_serial_handle(&zero), -1);
     CHECK(dp_serial_error(&zero)[0] == '\0');
     CHECK_INT(dp_serial_close(&zero), DP_RC_SUCCESS);
     CHECK(fcntl(STDIN_FILENO, F_GETFD) != -1);
@@ -461,6 +644,12 @@ int main(int argc, char **argv)
     (void)argc;
     layout();
     settings_are_those_of_the_link();
+#if defined(__linux__) && defined(__GLIBC__)
+    any_speed_can_be_had();
+    lines_are_set();
+    closing_can_keep_the_lines();
+#endif
+    a_pseudo_terminal_has_no_lines();
     bytes_pass_as_they_are();
     messages_are_sent();
     the_device_is_exclusive();

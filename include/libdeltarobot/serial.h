@@ -1,6 +1,6 @@
 /**
  * @file
- * libdeltarobot/serial.h: the serial port, on Unix. Not in libraries for bare metal.
+ * libdeltarobot/serial.h: the serial port, on Unix and Windows. Not in libraries for bare metal.
  *
  * Generated from src/serial.rs: `make header` renews it.
  *
@@ -31,6 +31,9 @@
 
 #include "libdeltarobot/protocol.h"
 
+/** Words of a struct dp_serial. */
+#define DP_SERIAL_WORDS (384 / sizeof(unsigned long))
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -42,51 +45,71 @@ extern "C" {
 #define DP_RC_DEVICE 7
 
 /**
- * How long `dp_serial_send` waits for room, in milliseconds.
- */
-#define DP_SERIAL_SEND_MS 1000
-
-/**
  * The speed of the deltarobot link in baud (specification, section "Serial").
  */
 #define DP_SERIAL_BAUD 115200
 
 /**
- * Bytes of a text about an error, the terminating zero among them.
+ * How long `dp_serial_send` waits for room, in milliseconds.
  */
-#define DP_SERIAL_TEXT_MAX 320
+#define DP_SERIAL_SEND_MS 1000
 
 /**
- * A serial port. All zero is one that is closed.
- *
- * Its fields are private, but `fd`, while it is open, can be given to poll(2) or select(2). It is set to `O_NONBLOCK`.
+ * A line is asserted.
+ */
+#define DP_SERIAL_ON 1
+
+/**
+ * A line is not asserted.
+ */
+#define DP_SERIAL_OFF -1
+
+/**
+ * A serial port. All zero is a closed one.
  */
 struct dp_serial {
-  /**
-   * The file descriptor.
-   */
-  int fd;
-  int is_open;
-  int has_failed;
-  /**
-   * The device's name, and behind it what went wrong last.
-   */
-  int name_length;
-  char text[DP_SERIAL_TEXT_MAX];
+  unsigned long opaque[DP_SERIAL_WORDS];
 };
 
 /**
- * Opens and sets up a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as
- * they are.
+ * How a port is opened and closed. All zero is what `dp_serial_open` does.
+ */
+struct dp_serial_settings {
+  /**
+   * Speed in baud, 0 for `DP_SERIAL_BAUD`.
+   */
+  unsigned long baud;
+  /**
+   * DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored where
+   * there is no such line, as in a pseudo-terminal.
+   *
+   * Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
+   * that shall not be reset has to be closed with `keep_lines` the time before.
+   */
+  int dtr;
+  /**
+   * RTS after opening, likewise. Both change at once.
+   */
+  int rts;
+  /**
+   * Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
+   * Windows always drops them.
+   */
+  int keep_lines;
+};
+
+/**
+ * Opens a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
  *
- * baud is the speed, 0 for `DP_SERIAL_BAUD`; only standard speeds are known. It does not wait for a carrier. As long
- * as it is open, nobody else can open the device by this function or, unless as root or if it is a pseudo-terminal,
- * otherwise. What was received before is thrown away.
+ * device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
+ * near to (2 %), 0 for `DP_SERIAL_BAUD`. It waits for no carrier. As long as it is open, nobody else can open the
+ * device by this function or, unless as root or if it is a pseudo-terminal, otherwise. What was received before is
+ * discarded.
  *
- * device is NULL or a string. A port that is open must be closed first: else its file descriptor is lost.
+ * device is NULL or a string. An open port must be closed first: else its file descriptor is lost.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
- * is NULL. When it did not succeed, the port is closed: it need not be, but can be, closed.
+ * is NULL. Unless it succeeded, the port is closed.
  *
  * ```c
  * struct dp_serial port;
@@ -99,13 +122,27 @@ int dp_serial_open(struct dp_serial *serial,
                    unsigned long baud);
 
 /**
- * Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
- * negative), or until a signal was handled.
+ * Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
  *
- * serial was opened or is all zero.
+ * Returns what `dp_serial_open` does.
+ *
+ * ```c
+ * struct dp_serial_settings settings = {0};
+ * settings.baud = 250000;
+ * settings.keep_lines = 1;
+ * dp_serial_open_with(&port, "/dev/ttyACM0", &settings);
+ * ```
+ */
+int dp_serial_open_with(struct dp_serial *serial,
+                        const char *device,
+                        const struct dp_serial_settings *settings);
+
+/**
+ * Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
+ * negative), or until a signal was handled. serial was opened or is all zero, here and below.
  *
  * Returns how many bytes were read, 0 when none came; -`DP_RC_DEVICE` when the device has disappeared (what it
- * received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, cap is negative, or buf
+ * received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, cap is negative, or buf
  * is NULL and cap is not 0.
  *
  * ```c
@@ -124,7 +161,7 @@ int dp_serial_read(struct dp_serial *serial,
  * end it.
  *
  * Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
- * has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or not open, bytes is negative, or buf is NULL and bytes
+ * has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
  * is not 0.
  *
  * ```c
@@ -141,10 +178,8 @@ int dp_serial_write(struct dp_serial *serial,
 /**
  * Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
  *
- * usr is the port.
- *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
- * `DP_RC_ERROR_GENERIC` when usr is NULL or not open, bytes is negative, or buf is NULL and bytes is not 0.
+ * `DP_RC_ERROR_GENERIC` when usr is NULL or closed, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
@@ -159,7 +194,7 @@ int dp_serial_send(void *buf,
  * Waits until all that was written was sent, however long that takes. Signals don't end it.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
- * NULL or not open.
+ * NULL or closed.
  *
  * ```c
  * dp_serial_send(out, length, &port);
@@ -170,7 +205,7 @@ int dp_serial_send(void *buf,
 int dp_serial_drain(struct dp_serial *serial);
 
 /**
- * Throws away what was received and not read.
+ * Discards what was received and not read.
  *
  * Returns what `dp_serial_drain` does.
  *
@@ -182,9 +217,46 @@ int dp_serial_drain(struct dp_serial *serial);
 int dp_serial_discard(struct dp_serial *serial);
 
 /**
+ * Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
+ *
+ * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when there is no such line, as in a pseudo-terminal, or the device has
+ * disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or closed.
+ *
+ * ```c
+ * dp_serial_set_dtr(&port, 0);
+ * dp_serial_read(&port, in, sizeof in, 100);
+ * dp_serial_set_dtr(&port, 1);
+ * ```
+ */
+int dp_serial_set_dtr(struct dp_serial *serial,
+                      int on);
+
+/**
+ * Sets RTS, as `dp_serial_set_dtr` sets DTR.
+ *
+ * Returns what `dp_serial_set_dtr` does.
+ *
+ * ```c
+ * dp_serial_set_rts(&port, DP_SERIAL_OFF);
+ * ```
+ */
+int dp_serial_set_rts(struct dp_serial *serial, int on);
+
+/**
+ * The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
+ *
+ * Returns it, or -1 when serial is NULL or closed.
+ *
+ * ```c
+ * int fd = dp_serial_handle(&port);
+ * ```
+ */
+int dp_serial_handle(const struct dp_serial *serial);
+
+/**
  * Closes it. What was written is still sent.
  *
- * Returns `DP_RC_SUCCESS`, also when it was not open, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+ * Returns `DP_RC_SUCCESS`, also when it was closed, or `DP_RC_ERROR_GENERIC` when serial is NULL.
  *
  * ```c
  * dp_serial_drain(&port);

@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
-use deltarobot::port::{Failed, Port};
+use deltarobot::port::{Failed, Port, Settings};
 
 use crate::status::Failure;
 
@@ -31,7 +31,7 @@ impl Device {
         let name = CString::new(path.as_os_str().as_bytes())
             .map_err(|_| Failure::Usage("a device's name can't contain a zero byte".into()))?;
         let mut port = Port::new();
-        port.open(&name, speed.baud.into()).map_err(|Failed| failure(&port))?;
+        port.open(&name, &Settings::at(speed.baud.into())).map_err(|Failed| failure(&port))?;
         Ok(Self { port, room: [MaybeUninit::uninit(); 4096] })
     }
 
