@@ -19,19 +19,8 @@ const HEADERS: [(&str, &str, &[&str]); 13] = [
         "payload",
         &["src/payload/building.rs", "src/payload/reading.rs", "src/payload/text.rs"],
     ),
-    (
-        "libdeltarobot/host.h",
-        "host",
-        &[
-            "src/host/event.rs",
-            "crates/protocols/src/deltarobot/host.rs",
-            "crates/protocols/src/deltarobot/host/health.rs",
-            "crates/protocols/src/deltarobot/host/link.rs",
-            "crates/protocols/src/deltarobot/host/request.rs",
-            "crates/protocols/src/deltarobot/host/settings.rs",
-        ],
-    ),
-    ("libdeltarobot/controller.h", "controller", &["crates/protocols/src/deltarobot/controller.rs"]),
+    ("libdeltarobot/host.h", "host", &["src/host/event.rs"]),
+    ("libdeltarobot/controller.h", "controller", &[]),
     ("libdeltarobot/serial.h", "serial", &[]),
     (
         "libdeltarobot/line_protocol.h",

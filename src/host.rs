@@ -1,16 +1,17 @@
 //! `host.h`: the host's end of the link.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
-use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::mem::MaybeUninit;
 
-use super::memory::{bytes_of, fill, int, long, zero};
+use super::memory::{bytes_of, duration, fill, int, long, short, time};
 use super::payload::position_from;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
+use super::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::clock::time;
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
-use deltarobot_protocols::deltarobot::host::{Busy, Health, Host, Link, Request, Settings};
-use deltarobot_protocols::deltarobot::{POSITION_SIZE, Ring};
+use deltarobot_protocols::deltarobot::host::{Busy, Health, Host as Session, Settings};
+use deltarobot_protocols::deltarobot::{POSITION_SIZE, receiver_room};
+use deltarobot_protocols::session::RoundTrips;
 use event::{HostEvent, event_to};
 
 pub mod event;
@@ -20,57 +21,88 @@ pub const DP_RC_BUSY: c_int = 5;
 /// Nothing has happened.
 pub const DP_RC_NO_EVENT: c_int = 6;
 
-/// Room that three requests take, more than which are never to be sent at a time.
+/// Room for what is to be sent at a time: three requests.
 pub const DP_HOST_OUTPUT_MAX: c_int = 27;
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
+/// Settings of a session, times in milliseconds. 0 stands for the default everywhere; times are at most 2147483647 ms
+/// (24 days).
+#[derive(Debug)]
+#[repr(C)]
+pub struct HostSettings {
+    /// How long an answer is waited for before the request is retransmitted; by default 250.
+    pub ack_ms: c_ulong,
+    /// The longest time from sending a request to its answer's arrival, however late: what has not come by then is
+    /// lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
+    pub guard_ms: c_ulong,
+    /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
+    /// other state before it, does not end the operation. Not below guard; by default 500.
+    pub settle_ms: c_ulong,
+    /// During an operation the status is requested when no report came for this long; by default 200.
+    pub poll_ms: c_ulong,
+    /// An operation is given up when nothing at all was received for this long; by default 3000.
+    pub silence_ms: c_ulong,
+    /// An operation is given up after this long in any case; by default 120000.
+    pub operation_ms: c_ulong,
+    /// An incomplete frame is given up when the line was quiet for this long; by default 50.
+    pub gap_ms: c_ulong,
+    /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
+    /// displacement; by default 0.25, twice what shipped firmware allows itself.
+    pub tolerance: f32,
+    /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
+    pub attempts: c_int,
+    /// Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
+    pub layout: c_int,
+    /// Not 0: each received message is an event.
+    pub messages: c_int,
+    /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
+    /// waits until the guard time of the last one is over, even when that ended well before.
+    pub duplicates: c_int,
+}
+
+/// Statistics of a session since it began. Counters wrap at 2^32.
+#[derive(Debug)]
+#[repr(C)]
+pub struct HostHealth {
+    /// Intact frames received.
+    pub frames: c_ulong,
+    /// Of these, frames whose payload has the wrong length for the opcode. They are ignored.
+    pub malformed: c_ulong,
+    /// Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
+    pub strays: c_ulong,
+    /// Bytes received that belong to no intact frame.
+    pub garbage_bytes: c_ulong,
+    /// Frames that were whole but for their checksum. Their bytes are among the garbage.
+    pub checksum_failures: c_ulong,
+    /// Answers that did not come in time.
+    pub timeouts: c_ulong,
+    /// Requests that were retransmitted because of that.
+    pub retransmissions: c_ulong,
+    /// Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
+    pub rtt_count: c_ulong,
+    /// The last round-trip time.
+    pub rtt_last: c_ulong,
+    /// The shortest round-trip time.
+    pub rtt_min: c_ulong,
+    /// The longest round-trip time.
+    pub rtt_max: c_ulong,
+    /// Sum of the round-trip times: divided by `rtt_count`, their average.
+    pub rtt_sum: c_ulong,
+}
+
+/// Words of a session's room.
 #[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const LONG: usize = size_of::<c_ulong>();
-    const ATTEMPTS: usize = 7 * LONG + 4;
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
+pub const DP_HOST_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 56;
 
-    assert!(offset_of!(Settings, ack_ms) == 0 && offset_of!(Settings, guard_ms) == LONG);
-    assert!(offset_of!(Settings, settle_ms) == 2 * LONG && offset_of!(Settings, poll_ms) == 3 * LONG);
-    assert!(offset_of!(Settings, silence_ms) == 4 * LONG && offset_of!(Settings, operation_ms) == 5 * LONG);
-    assert!(offset_of!(Settings, gap_ms) == 6 * LONG && offset_of!(Settings, tolerance) == 7 * LONG);
-    assert!(offset_of!(Settings, attempts) == ATTEMPTS && offset_of!(Settings, layout) == ATTEMPTS + INT);
-    assert!(offset_of!(Settings, messages) == ATTEMPTS + 2 * INT);
-    assert!(offset_of!(Settings, doubles) == ATTEMPTS + 3 * INT);
-    assert!(size_of::<Settings>() == up(ATTEMPTS + 4 * INT, align_of::<c_ulong>()));
+/// A session. All zero is one with the default settings.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Host {
+    opaque: [c_ulong; DP_HOST_WORDS],
+}
 
-    assert!(offset_of!(Health, frames) == 0 && offset_of!(Health, malformed) == LONG);
-    assert!(offset_of!(Health, strays) == 2 * LONG && offset_of!(Health, garbage_bytes) == 3 * LONG);
-    assert!(offset_of!(Health, checksum_failures) == 4 * LONG && offset_of!(Health, overflows) == 5 * LONG);
-    assert!(offset_of!(Health, timeouts) == 6 * LONG && offset_of!(Health, repeats) == 7 * LONG);
-    assert!(offset_of!(Health, rtt_count) == 8 * LONG && offset_of!(Health, rtt_last) == 9 * LONG);
-    assert!(offset_of!(Health, rtt_min) == 10 * LONG && offset_of!(Health, rtt_max) == 11 * LONG);
-    assert!(offset_of!(Health, rtt_sum) == 12 * LONG && size_of::<Health>() == 13 * LONG);
+state!(Host: Session<{ receiver_room(DP_DATA_MAX_SIZE) }>);
 
-    assert!(size_of::<Request>() == up(2 * LONG + 5, align_of::<c_ulong>()));
-    assert!(size_of::<Link>() == up(up(size_of::<Ring>(), align_of::<c_ulong>()) + LONG + 3, align_of::<c_ulong>()));
-    assert!(
-        size_of::<Host>()
-            == up(
-                size_of::<Settings>()
-                    + size_of::<Health>()
-                    + size_of::<Link>()
-                    + 3 * size_of::<Request>()
-                    + 4 * LONG
-                    + 4 * INT
-                    + 7
-                    + 2 * POSITION_SIZE,
-                align_of::<c_ulong>()
-            )
-    );
-};
-
-/// Begins a session. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
+/// Begins a session, in any memory. settings are copied; NULL stands for the defaults.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
@@ -80,23 +112,44 @@ const _: () = {
 /// dp_host_init(&host, &settings);
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
-    if host.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: as the contract of this function asks; zero is a session.
-    unsafe {
-        zero(host);
-        if let Some(settings) = settings.as_ref() {
-            (*host).set(settings);
-        }
+pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
+    // SAFETY: both are NULL or the caller's whole objects, and don't overlap.
+    let (session, settings) = unsafe { (Host::init(host), settings.as_ref()) };
+    let Some(session) = session else { return DP_RC_ERROR_GENERIC };
+    if let Some(settings) = settings {
+        let &HostSettings {
+            ack_ms,
+            guard_ms,
+            settle_ms,
+            poll_ms,
+            silence_ms,
+            operation_ms,
+            gap_ms,
+            tolerance,
+            attempts,
+            layout,
+            messages,
+            duplicates,
+        } = settings;
+        *session.settings() = Settings {
+            ack_ms: duration(ack_ms),
+            guard_ms: duration(guard_ms),
+            settle_ms: duration(settle_ms),
+            poll_ms: duration(poll_ms),
+            silence_ms: duration(silence_ms),
+            operation_ms: duration(operation_ms),
+            gap_ms: duration(gap_ms),
+            tolerance,
+            attempts: short(attempts),
+            layout: u8::try_from(layout).unwrap_or_default(),
+            messages: u8::from(messages != 0),
+            duplicates: u8::from(duplicates != 0),
+        };
     }
     DP_RC_SUCCESS
 }
 
 /// Requests homing. The end comes as an event.
-///
-/// host was begun by `dp_host_init` or is all zero.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
@@ -106,8 +159,8 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const Settings
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    result(unsafe { host.as_mut() }.map(Host::home))
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { request(host, Session::home) }
 }
 
 /// Requests a move to a position. The end comes as an event.
@@ -122,13 +175,12 @@ pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let target =
-        unsafe { position_from(target) }.filter(|target| POSITION_SIZE <= DP_DATA_MAX_SIZE && target.is_finite());
-    // SAFETY: as the contract of this function asks.
-    match (unsafe { host.as_mut() }, target) {
-        (Some(host), Some(target)) => result(Some(host.move_to(target))),
-        _ => DP_RC_ERROR_GENERIC,
+    // SAFETY: NULL or the caller's whole object.
+    let target = unsafe { position_from(target) };
+    match target.filter(|target| POSITION_SIZE <= DP_DATA_MAX_SIZE && target.is_finite()) {
+        // SAFETY: NULL or the caller's whole object.
+        Some(target) => unsafe { request(host, |session| session.move_to(target)) },
+        None => DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -144,8 +196,8 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    result(unsafe { host.as_mut() }.map(Host::cancel))
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { request(host, Session::cancel) }
 }
 
 /// Requests a status report. It ends with the next report that is received.
@@ -159,15 +211,14 @@ pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    result(unsafe { host.as_mut() }.map(Host::status))
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { request(host, Session::status) }
 }
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
-/// Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
-/// `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf
-/// is NULL and bytes is not 0.
+/// Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
+/// the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -176,15 +227,15 @@ pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
-        (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
+    // SAFETY: NULL or the caller's, the session whole and so many bytes readable; they don't overlap.
+    match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
+        (Some(session), Some(input)) => int(session.receive(input, time(now_ms))),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
 
 /// Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
-/// there is none; what is to be sent after that tells `dp_host_output`.
+/// there is none; then `dp_host_output` has what is to be sent.
 ///
 /// Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
 /// `DP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -197,14 +248,12 @@ pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, by
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
-        return DP_RC_ERROR_GENERIC;
-    };
-    // SAFETY: event is not NULL; chars and uninitialised bytes have the same layout.
+    // SAFETY: NULL or the caller's whole object.
+    let (Some(session), false) = (unsafe { Host::get(host) }, event.is_null()) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: the event is the caller's whole object, apart from the session; chars may be uninitialised as bytes.
     let data = unsafe { &mut *(&raw mut (*event).msg.data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>() };
-    let happened = host.poll(time(now_ms), data);
-    // SAFETY: event is not NULL.
+    let happened = session.poll(time(now_ms), data);
+    // SAFETY: not NULL, so the caller's whole object; `data` is not used any more.
     unsafe { event_to(event, happened.as_ref()) };
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
@@ -223,17 +272,15 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }) else {
-        return DP_RC_ERROR_GENERIC.wrapping_neg();
-    };
-    // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
+    // SAFETY: NULL or the caller's whole object.
+    let Some(session) = (unsafe { Host::get(host) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
+    // SAFETY: NULL or so many writable bytes of the caller's, apart from the session.
+    let written = unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) };
     written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
 /// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
-/// the output was fetched: what it returns is then what poll(2) takes as time-out.
+/// the output was fetched: what it returns is then what poll(2) takes as timeout.
 ///
 /// Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
 ///
@@ -242,9 +289,8 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
-    // SAFETY: as the contract of this function asks.
-    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
-    left.map_or(-1, long)
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { Host::peek(host) }.and_then(|session| session.next_deadline(time(now_ms))).map_or(-1, long)
 }
 
 /// Whether an operation is going on.
@@ -257,30 +303,58 @@ pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulon
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    c_int::from(unsafe { host.as_ref() }.is_some_and(Host::is_busy))
+    // SAFETY: NULL or the caller's whole object.
+    c_int::from(unsafe { Host::peek(host) }.is_some_and(Session::is_busy))
 }
 
-/// How the link does.
+/// Copies the statistics.
 ///
-/// Returns counters that live and change with the session, or NULL when host is.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
-/// const struct dp_host_health *health = dp_host_get_health(&host);
-/// if (health->rtt_count > 0)
-///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+/// struct dp_host_health health;
+/// if (dp_host_get_health(&host, &health) == DP_RC_SUCCESS && health.rtt_count > 0)
+///     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_host_get_health(host: *const Host) -> *const Health {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { host.as_ref() } {
-        Some(host) => host.health(),
-        None => core::ptr::null(),
-    }
+pub unsafe extern "C" fn dp_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
+    // SAFETY: NULL or the caller's whole object.
+    let (Some(session), false) = (unsafe { Host::peek(host) }, health.is_null()) else { return DP_RC_ERROR_GENERIC };
+    let &Health {
+        frames,
+        malformed,
+        strays,
+        garbage_bytes,
+        checksum_failures,
+        timeouts,
+        retransmissions,
+        round_trips: RoundTrips { count, last, min, max, sum },
+    } = session.health();
+    let copied = HostHealth {
+        frames: frames.into(),
+        malformed: malformed.into(),
+        strays: strays.into(),
+        garbage_bytes: garbage_bytes.into(),
+        checksum_failures: checksum_failures.into(),
+        timeouts: timeouts.into(),
+        retransmissions: retransmissions.into(),
+        rtt_count: count.into(),
+        rtt_last: last.into(),
+        rtt_min: min.into(),
+        rtt_max: max.into(),
+        rtt_sum: sum.into(),
+    };
+    // SAFETY: not NULL, so the caller's whole object.
+    unsafe { health.write(copied) };
+    DP_RC_SUCCESS
 }
 
-fn result(outcome: Option<Result<(), Busy>>) -> c_int {
-    match outcome {
+/// # Safety
+///
+/// host is NULL or points to a whole object, which nobody else touches.
+unsafe fn request(host: *mut Host, begin: impl FnOnce(&mut <Host as Room>::State) -> Result<(), Busy>) -> c_int {
+    // SAFETY: the same contract.
+    match unsafe { Host::get(host) }.map(begin) {
         Some(Ok(())) => DP_RC_SUCCESS,
         Some(Err(Busy)) => DP_RC_BUSY,
         None => DP_RC_ERROR_GENERIC,

@@ -1,4 +1,4 @@
-//! `payload.h`: what the messages of the specification (section "Opcodes") say.
+//! `payload.h`: the messages of the specification (section "Opcodes").
 
 use core::ffi::c_int;
 use core::mem::align_of;
@@ -23,11 +23,8 @@ pub const DP_LAYOUT_SPEC: c_int = 1;
 /// from 13 on is read.
 pub const DP_LAYOUT_FIRMWARE: c_int = 2;
 
-const _: () = {
-    // Floats are read and written as their bits.
-    assert!(align_of::<u32>() == align_of::<Position>() && size_of::<[u32; 3]>() == size_of::<Position>());
-    assert!(align_of::<StatusReport>() == align_of::<Position>());
-};
+// A position of C's is read and written as three u32, the bits of its floats.
+const _: () = assert!(align_of::<u32>() == align_of::<Position>() && size_of::<[u32; 3]>() == size_of::<Position>());
 
 /// The payload of a message; `None` when its size is out of range.
 ///
@@ -35,13 +32,13 @@ const _: () = {
 ///
 /// msg points to a message, which nobody writes while the slice lives.
 unsafe fn payload_of<'a>(msg: *const ProtocolMsg) -> Option<&'a [u8]> {
-    // SAFETY: as the contract of this function asks; the size is checked against the array's.
-    unsafe {
-        match (*msg).data_s {
-            length if length <= const { int(DP_DATA_MAX_SIZE) } => bytes_of((&raw const (*msg).data).cast(), length),
-            _ => None,
-        }
+    // SAFETY: a message can be read.
+    let length = unsafe { (*msg).data_s };
+    if length > const { int(DP_DATA_MAX_SIZE) } {
+        return None;
     }
+    // SAFETY: data has at least so many bytes, and the contract is that of the slice.
+    unsafe { bytes_of((&raw const (*msg).data).cast(), length) }
 }
 
 /// The layout that a `DP_LAYOUT_*` means.
@@ -54,13 +51,13 @@ pub(super) const fn layout_of(layout: c_int) -> Option<Layout> {
     }
 }
 
-/// Takes a position over from C, as bits.
+/// Takes a position over from C, as bits: a signalling NaN would not survive being loaded as a float.
 ///
 /// # Safety
 ///
 /// position is NULL or points to one.
 pub(super) unsafe fn position_from(position: *const Position) -> Option<core_::Position> {
-    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    // SAFETY: three floats have the layout of three u32 (asserted above), and any bits are a u32.
     unsafe { position.cast::<[u32; 3]>().as_ref() }.map(|bits| core_::Position(*bits))
 }
 
@@ -70,7 +67,7 @@ pub(super) unsafe fn position_from(position: *const Position) -> Option<core_::P
 ///
 /// out points to a writable position.
 pub(super) unsafe fn position_to(out: *mut Position, position: core_::Position) {
-    // SAFETY: as the contract of this function asks; three floats have the layout of three u32: asserted above.
+    // SAFETY: three floats have the layout of three u32, and any bits are a float.
     unsafe { out.cast::<[u32; 3]>().write(position.0) };
 }
 
@@ -80,7 +77,7 @@ pub(super) unsafe fn position_to(out: *mut Position, position: core_::Position) 
 ///
 /// report is NULL or points to one.
 pub(super) unsafe fn report_from(report: *const StatusReport) -> Option<Report> {
-    // SAFETY: as the contract of this function asks; a report begins with a position.
+    // SAFETY: a report begins with what a position consists of; it is read only when it is not NULL.
     unsafe { position_from(report.cast()).map(|position| Report::new(position, (*report).STAT)) }
 }
 
@@ -90,7 +87,7 @@ pub(super) unsafe fn report_from(report: *const StatusReport) -> Option<Report> 
 ///
 /// out points to a writable status report.
 pub(super) unsafe fn report_to(out: *mut StatusReport, report: &Report) {
-    // SAFETY: as the contract of this function asks; a report begins with a position.
+    // SAFETY: a report begins with what a position consists of.
     unsafe {
         position_to(out.cast(), report.position);
         (*out).STAT = report.stat();

@@ -200,12 +200,17 @@ static void controller_runs(void)
 
     platform_moves();
     while ((length = arrived(&down, bytes, 1 + (int)below(DP_BUFSIZE < 64 ? DP_BUFSIZE : 64))) > 0) {
-        int rc = dp_controller_receive(controller, bytes, length);
-        /* Small rings are too full at times: one more fault of the line. */
-        CHECK(rc == DP_RC_SUCCESS || (rc == DP_RC_OVERFLOW && DP_BUFSIZE < DP_DATA_MAX_SIZE + 5 + 64));
+        int taken = 0;
         plant.heard_at = now;
-        while (dp_controller_poll(controller) == DP_RC_SUCCESS)
-            ;
+        while (taken < length) {
+            int more = dp_controller_receive(controller, bytes + taken, length - taken);
+            CHECK(more > 0 && more <= length - taken);
+            if (more <= 0)
+                break;
+            taken += more;
+            while (dp_controller_poll(controller) == DP_RC_SUCCESS)
+                ;
+        }
     }
     while ((now - plant.heard_at >= 20 ? dp_controller_poll_idle(controller) : dp_controller_poll(controller)) ==
            DP_RC_SUCCESS)

@@ -15,8 +15,8 @@ static void status_is_requested(void)
     pass(7);
     comes_report(DP_STATUS_ERROR, -1);
     CHECK(tells(DP_HOST_ENDED, 'S', DP_HOST_FINISHED));
-    CHECK_INT(dp_host_get_health(&host)->rtt_count, 1);
-    CHECK_INT(dp_host_get_health(&host)->rtt_last, 7);
+    CHECK_INT(healthy()->rtt_count, 1);
+    CHECK_INT(health.rtt_last, 7);
 
     dp_host_status(&host);
     for (i = 0; i < 4; ++i) {
@@ -26,18 +26,18 @@ static void status_is_requested(void)
     CHECK(tells(DP_HOST_ENDED, 'S', DP_HOST_TIMED_OUT));
 }
 
-static void tells_messages_and_health(void)
+static void reports_messages_and_health(void)
 {
     struct dp_host_settings settings;
-    const struct dp_host_health *health;
 
     begin();
     memset(&settings, 0, sizeof settings);
     settings.messages = 1;
     CHECK_INT(dp_host_init(&host, &settings), DP_RC_SUCCESS);
-    health = dp_host_get_health(&host);
     CHECK_INT(dp_host_receive(&host, "xx$A\1H\xE9:", 8, now), 8);
     CHECK_INT(dp_host_receive(&host, "$M\3" "123\0:", 8, now), 8);
+    CHECK(tells_nothing());
+    CHECK_INT(healthy()->checksum_failures, 2);
     comes('A', "H", 1);
     comes('M', "123", 3);
     CHECK_INT(dp_host_receive(&host, "$M", 2, now), 2);
@@ -45,35 +45,57 @@ static void tells_messages_and_health(void)
     CHECK_INT(event.msg.opcode, 'A');
     CHECK_INT(event.msg.data_s, 1);
     CHECK_INT(event.msg.data[0], 'H');
+    CHECK_INT(event.msg.checksum_ok, 1);
     CHECK(tells(DP_HOST_MESSAGE, 0, 0));
     CHECK_INT(event.msg.data_s, 3);
     CHECK_BYTES(event.msg.data, "123", 3);
     CHECK(tells_nothing());
-    CHECK_INT(health->frames, 2);
-    CHECK_INT(health->garbage_bytes, 16);
-    CHECK_INT(health->checksum_failures, 2);
-    CHECK_INT(health->malformed, 1);
-    CHECK_INT(health->strays, 1);
+    CHECK_INT(healthy()->frames, 2);
+    CHECK_INT(health.garbage_bytes, 16);
+    CHECK_INT(health.checksum_failures, 2);
+    CHECK_INT(health.malformed, 1);
+    CHECK_INT(health.strays, 1);
+    CHECK_INT(health.timeouts, 0);
+    CHECK_INT(health.retransmissions, 0);
+    CHECK_INT(health.rtt_count, 0);
     /* The beginning of a frame is waited for until the line was quiet for long enough. */
     CHECK_INT(dp_host_next_deadline(&host, now), 50);
     pass(50);
     CHECK(tells_nothing());
-    CHECK_INT(health->garbage_bytes, 18);
+    CHECK_INT(healthy()->garbage_bytes, 18);
     CHECK_INT(dp_host_next_deadline(&host, now), -1);
 }
 
 static void takes_what_fits(void)
 {
-    unsigned char bytes[DP_BUFSIZE + 10];
+    unsigned char bytes[2 * DP_DATA_MAX_SIZE + 64];
+    int taken, i;
+
     memset(bytes, 'x', sizeof bytes);
+    memcpy(bytes + sizeof bytes - 5, "$h\0\xC6:", 5);
     begin();
-    CHECK_INT(dp_host_receive(&host, bytes, (int)sizeof bytes, now), DP_BUFSIZE);
-    CHECK_INT(dp_host_receive(&host, bytes, 10, now), 0);
-    CHECK_INT(dp_host_get_health(&host)->overflows, 2);
+    dp_host_home(&host);
+    CHECK(sends("H"));
+    /* A frame fits at any time, but not all of that. */
+    taken = dp_host_receive(&host, bytes, (int)sizeof bytes, now);
+    CHECK(taken >= DP_DATA_MAX_SIZE + 5 && taken < (int)sizeof bytes - 5);
+    CHECK_INT(dp_host_receive(&host, bytes + taken, (int)sizeof bytes - taken, now), 0);
+    /* While there are bytes that it could not take, no time is over. */
+    pass(250);
     CHECK(tells_nothing());
-    CHECK_INT(dp_host_receive(&host, bytes, 10, now), 10);
+    CHECK_INT(dp_host_output(&host, bytes, 17, now), 0);
+    for (i = 0; i < 100 && taken < (int)sizeof bytes; ++i) {
+        taken += dp_host_receive(&host, bytes + taken, (int)sizeof bytes - taken, now);
+        CHECK(tells_nothing());
+    }
+    CHECK_INT(healthy()->frames, 1);
+    CHECK_INT(health.garbage_bytes, sizeof bytes - 5);
+    CHECK(sends("H"));
+    CHECK_INT(healthy()->timeouts, 1);
+    CHECK_INT(health.retransmissions, 1);
 
     /* Output goes out in whole frames. */
+    begin();
     dp_host_move(&host, &TARGET);
     dp_host_status(&host);
     CHECK(tells_nothing());
@@ -125,7 +147,8 @@ static void bad_arguments_are_refused(void)
     CHECK_INT(dp_host_output(NULL, &bad, 5, now), -DP_RC_ERROR_GENERIC);
     CHECK_INT(dp_host_next_deadline(NULL, now), -1);
     CHECK_INT(dp_host_busy(NULL), 0);
-    CHECK(dp_host_get_health(NULL) == NULL);
+    CHECK_INT(dp_host_get_health(NULL, &health), DP_RC_ERROR_GENERIC);
+    CHECK_INT(dp_host_get_health(&host, NULL), DP_RC_ERROR_GENERIC);
 }
 
 /* Any memory at all, and a clock that jumps anywhere: nothing is touched that should not be, and nothing hangs. */
@@ -163,6 +186,7 @@ static void any_memory(void)
             CHECK(done >= 0 && done <= count && done <= DP_HOST_OUTPUT_MAX);
             CHECK(dp_host_next_deadline(&host, now) >= -1);
             CHECK(dp_host_busy(&host) == 0 || dp_host_busy(&host) == 1);
+            healthy();
             pass(step % 4 ? wire_random(&seed) % 1000 : (unsigned long)wire_random(&seed) << 4);
         }
     }
@@ -175,7 +199,7 @@ int main(void)
 {
     any_memory();
     status_is_requested();
-    tells_messages_and_health();
+    reports_messages_and_health();
     takes_what_fits();
     zero_is_a_session();
     bad_arguments_are_refused();

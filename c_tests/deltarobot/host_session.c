@@ -123,7 +123,7 @@ static void is_refused(void)
     comes('N', "M", 1);
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_REFUSED));
     CHECK(tells_nothing());
-    CHECK_INT(dp_host_get_health(&host)->strays, 2);
+    CHECK_INT(healthy()->strays, 2);
 }
 
 static void is_repeated_and_times_out(void)
@@ -141,8 +141,8 @@ static void is_repeated_and_times_out(void)
     }
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
     CHECK(sends(""));
-    CHECK_INT(dp_host_get_health(&host)->timeouts, 4);
-    CHECK_INT(dp_host_get_health(&host)->repeats, 3);
+    CHECK_INT(healthy()->timeouts, 4);
+    CHECK_INT(health.retransmissions, 3);
 
     /* A late ack is nobody's, and the next request waits until none can come any more. */
     dp_host_home(&host);
@@ -175,7 +175,7 @@ static void late_ack_accepts_once(void)
     pass(490);
     comes_report(DP_STATUS_IDLE, 0);
     CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_FINISHED));
-    CHECK_INT(dp_host_get_health(&host)->rtt_count, 0);
+    CHECK_INT(healthy()->rtt_count, 0);
 }
 
 static void a_repeat_is_refused(void)
@@ -335,12 +335,12 @@ static void is_taken_back(void)
 static void next_one_waits_where_frames_double(void)
 {
     struct dp_host_settings settings;
-    int doubles;
+    int duplicates;
 
-    for (doubles = 0; doubles < 2; ++doubles) {
+    for (duplicates = 0; duplicates < 2; ++duplicates) {
         begin();
         memset(&settings, 0, sizeof settings);
-        settings.doubles = doubles;
+        settings.duplicates = duplicates;
         dp_host_init(&host, &settings);
         dp_host_home(&host);
         CHECK(sends("H"));
@@ -350,7 +350,7 @@ static void next_one_waits_where_frames_double(void)
         comes('h', "", 0);
         CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_FINISHED));
         dp_host_home(&host);
-        CHECK(sends(doubles ? "" : "H"));
+        CHECK(sends(duplicates ? "" : "H"));
         pass(400);
         CHECK(sends("H"));
     }

@@ -22,7 +22,7 @@ enum {
 static struct dp_host hosts[2], *host = hosts;
 
 static long finished, refused, failed, cancelled, timed_out;
-static long forged_frames, frames, repeats, garbage;
+static long forged_frames, frames, retransmissions, garbage;
 
 /* --- the user --- */
 
@@ -225,13 +225,13 @@ static void choose(unsigned long run)
     memset(&user, 0, sizeof user);
     memset(&settings, 0, sizeof settings);
     plant.firmware = below(2) != 0;
-    controller_flags = plant.firmware ? 0 : DP_CONTROLLER_TELL_END | DP_CONTROLLER_TELL_ERROR;
+    controller_flags = plant.firmware ? 0 : DP_CONTROLLER_REPORT_END | DP_CONTROLLER_REPORT_ERROR;
     if (below(3) == 0)
         controller_flags |= DP_CONTROLLER_REFUSE_BUSY;
     reset_controller();
     settings.operation_ms = OPERATION_MS;
     settings.messages = 1;
-    settings.doubles = quality.repeat_piece != 0;
+    settings.duplicates = quality.repeat_piece != 0;
     settings.layout = below(2) ? DP_LAYOUT_AUTO : plant.firmware ? DP_LAYOUT_FIRMWARE : DP_LAYOUT_SPEC;
     if (below(3) == 0)
         settings.ack_ms = 40;
@@ -254,7 +254,7 @@ static int nothing_overdue(void)
 
 static void run_once(unsigned long run)
 {
-    const struct dp_host_health *health;
+    struct dp_host_health health;
     unsigned long next_act = 0, next_fault;
     int faulty;
 
@@ -289,11 +289,10 @@ static void run_once(unsigned long run)
             earlier(&next, next_fault);
         go_on(next);
     }
-    health = dp_host_get_health(host);
-    frames += (long)health->frames;
-    repeats += (long)health->repeats;
-    garbage += (long)health->garbage_bytes;
-    CHECK_INT(health->overflows == 0 || DP_BUFSIZE < 400, 1);
+    CHECK_INT(dp_host_get_health(host, &health), DP_RC_SUCCESS);
+    frames += (long)health.frames;
+    retransmissions += (long)health.retransmissions;
+    garbage += (long)health.garbage_bytes;
     end_run(run, is_damaged());
 }
 
@@ -302,7 +301,7 @@ int main(int argc, char **argv)
     run_all(argc, argv, DP_DATA_MAX_SIZE < 16 ? 0 : RUNS, run_once, 10);
     printf("%ld finished, %ld refused, %ld failed, %ld cancelled, %ld timed out\n", finished, refused, failed,
            cancelled, timed_out);
-    printf("%ld frames, %ld of them forged, %ld repeats, %ld bytes of garbage\n", frames, forged_frames, repeats,
+    printf("%ld frames, %ld of them forged, %ld retransmissions, %ld bytes of garbage\n", frames, forged_frames, retransmissions,
            garbage);
     return check_summary("session_channel");
 }

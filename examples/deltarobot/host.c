@@ -166,7 +166,7 @@ static void converse(void)
 int main(int argc, char **argv)
 {
     struct dp_host_settings settings;
-    const struct dp_host_health *health;
+    struct dp_host_health health;
 
     if (argc != 2) {
         fprintf(stderr, "usage: host DEVICE\n");
@@ -182,10 +182,10 @@ int main(int argc, char **argv)
     dp_host_init(&session, &settings);
     began = now_ms();
     converse();
-    health = dp_host_get_health(&session);
-    printf("\n%lu frames received, %lu requests repeated, %lu of %lu answers late, %lu ms for the slowest, in %.1f s; "
+    dp_host_get_health(&session, &health);
+    printf("\n%lu frames received, %lu requests retransmitted, %lu of %lu answers late, %lu ms for the slowest, in %.1f s; "
            "%d expectations, %d not met: %s\n",
-           health->frames, health->repeats, health->timeouts, health->rtt_count + health->timeouts, health->rtt_max,
+           health.frames, health.retransmissions, health.timeouts, health.rtt_count + health.timeouts, health.rtt_max,
            (double)now_ms() / 1000, expected, failed, failed ? "FAILED" : "all as expected");
     dp_serial_close(&port);
     return failed ? 1 : 0;

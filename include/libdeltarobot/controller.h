@@ -39,32 +39,25 @@ extern "C" {
 #define DP_CONTROLLER_REFUSE_BUSY 1
 
 /**
- * The end of homing and of a move is told by `h` and `m` (specification), besides the status report.
+ * The end of homing and of a move is reported by `h` and `m` (specification), besides the status report.
  */
-#define DP_CONTROLLER_TELL_END 2
+#define DP_CONTROLLER_REPORT_END 2
 
 /**
- * An error during an operation is told by `e` (specification), besides the status report.
+ * An error during an operation is reported by `e` (specification), besides the status report.
  */
-#define DP_CONTROLLER_TELL_ERROR 4
+#define DP_CONTROLLER_REPORT_ERROR 4
 
 /**
- * A controller. Its fields are private; all zero is one that does nothing and answers like shipped firmware.
+ * Words of a controller's room.
  */
-struct dp_dispatcher {
-  struct protocol_data ring;
-  /**
-   * Not 0: refuses an operation while another is going on.
-   */
-  int refuses_busy;
-  /**
-   * Opcode of the operation going on; a cancel request's until the platform stands; 0 when there is none.
-   */
-  unsigned char operation;
-  /**
-   * The target of a move going on.
-   */
-  unsigned char target[12];
+#define DP_CONTROLLER_WORDS ((DP_DATA_MAX_SIZE / 4) + 13)
+
+/**
+ * A controller, to be made by `dp_controller_init`. All zero is one that does nothing.
+ */
+struct dp_controller {
+  unsigned long opaque[DP_CONTROLLER_WORDS];
 };
 
 /**
@@ -136,7 +129,7 @@ struct dp_controller_calls {
    */
   dp_controller_cancel_func_t cancel;
   /**
-   * Tells the status.
+   * Reads the status.
    */
   dp_controller_read_func_t read;
   /**
@@ -146,23 +139,11 @@ struct dp_controller_calls {
 };
 
 /**
- * A controller. Its fields are private.
- */
-struct dp_controller {
-  struct dp_dispatcher dispatcher;
-  const struct dp_controller_calls *calls;
-  void *usr;
-  int layout;
-  int flags;
-};
-
-/**
  * Makes a controller of any memory.
  *
  * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
- * 0 for both, it answers like shipped firmware.
- *
- * calls' functions can be called with usr; calls stays there as long as the controller is used.
+ * 0 for both, it answers like shipped firmware. calls' functions can be called with usr; calls stays there as long as
+ * the controller is used.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
  * the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
@@ -182,20 +163,20 @@ int dp_controller_init(struct dp_controller *controller,
 DP_SIZED("dp_controller_init");
 
 /**
- * Takes received bytes.
+ * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
+ * a queue of the firmware's own.
  *
- * When they don't fit, the oldest are lost: call `dp_controller_poll` often enough, or give it fewer at a time.
- *
- * Not for an interrupt that may come during another call on the controller: there, bytes go into a queue of the
- * firmware's own.
- *
- * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when controller is NULL,
- * bytes is negative, or buf is NULL and bytes is not 0.
+ * Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
+ * it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes
+ * is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * if (dp_controller_receive(&controller, in, got) == DP_RC_OVERFLOW)
- *     ++losses;
+ * int got = uart_read(&uart, in, sizeof in), taken = 0;
+ * while (taken < got) {
+ *     taken += dp_controller_receive(&controller, in + taken, got - taken);
+ *     while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+ *         ;
+ * }
  * ```
  */
 int dp_controller_receive(struct dp_controller *controller,
@@ -205,8 +186,6 @@ DP_SIZED("dp_controller_receive");
 
 /**
  * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
- *
- * controller was made by `dp_controller_init` or is all zero.
  *
  * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
  * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
@@ -222,8 +201,6 @@ DP_SIZED("dp_controller_poll");
 /**
  * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
  * be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
- *
- * Returns what `dp_controller_poll` does.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)

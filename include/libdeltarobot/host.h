@@ -1,6 +1,6 @@
 /**
  * @file
- * libdeltarobot/host.h: the host's end of the link: sends requests, repeats them, tells how they ended.
+ * libdeltarobot/host.h: the host's end of the link: sends requests, retransmits them, reports how they ended.
  *
  * Generated from src/host.rs: `make header` renews it.
  *
@@ -74,9 +74,14 @@ extern "C" {
 #define DP_RC_NO_EVENT 6
 
 /**
- * Room that three requests take, more than which are never to be sent at a time.
+ * Room for what is to be sent at a time: three requests.
  */
 #define DP_HOST_OUTPUT_MAX 27
+
+/**
+ * Words of a session's room.
+ */
+#define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
 
 /**
  * Event: a message was received; `msg` holds it. Only where the settings ask for these events.
@@ -134,12 +139,19 @@ extern "C" {
 #define DP_HOST_TIMED_OUT 5
 
 /**
- * Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times of more than
- * 2147483647 ms (24 days) for that.
+ * A session. All zero is one with the default settings.
+ */
+struct dp_host {
+  unsigned long opaque[DP_HOST_WORDS];
+};
+
+/**
+ * Settings of a session, times in milliseconds. 0 stands for the default everywhere; times are at most 2147483647 ms
+ * (24 days).
  */
 struct dp_host_settings {
   /**
-   * How long an answer is waited for before the request is repeated; by default 250.
+   * How long an answer is waited for before the request is retransmitted; by default 250.
    */
   unsigned long ack_ms;
   /**
@@ -189,171 +201,7 @@ struct dp_host_settings {
    * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
    * waits until the guard time of the last one is over, even when that ended well before.
    */
-  int doubles;
-};
-
-/**
- * Counters of a host session since it began; they wrap.
- */
-struct dp_host_health {
-  /**
-   * Intact frames received.
-   */
-  unsigned long frames;
-  /**
-   * Of these, frames whose payload has the wrong length for the opcode. They are ignored.
-   */
-  unsigned long malformed;
-  /**
-   * Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
-   */
-  unsigned long strays;
-  /**
-   * Bytes received that belong to no intact frame.
-   */
-  unsigned long garbage_bytes;
-  /**
-   * Frames that were whole but for their checksum. Their bytes are among the garbage.
-   */
-  unsigned long checksum_failures;
-  /**
-   * Calls of `dp_host_receive` that could not take all bytes: 0 where every event is fetched between two of them.
-   */
-  unsigned long overflows;
-  /**
-   * Answers that did not come in time.
-   */
-  unsigned long timeouts;
-  /**
-   * Requests that were repeated because of that.
-   */
-  unsigned long repeats;
-  /**
-   * Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
-   */
-  unsigned long rtt_count;
-  /**
-   * The last round-trip time.
-   */
-  unsigned long rtt_last;
-  /**
-   * The shortest round-trip time.
-   */
-  unsigned long rtt_min;
-  /**
-   * The longest round-trip time.
-   */
-  unsigned long rtt_max;
-  /**
-   * Sum of the round-trip times: divided by `rtt_count`, their average.
-   */
-  unsigned long rtt_sum;
-};
-
-/**
- * The receiving side of a host session. Its fields are private.
- */
-struct dp_host_link {
-  struct protocol_data ring;
-  /**
-   * When the last bytes came.
-   */
-  unsigned long arrived_at;
-  /**
-   * Looking for frames with a wrong checksum: how many bytes of a head or tail are there (0 to 4), how many of the
-   * payload are missing, and the sum so far.
-   */
-  unsigned char place;
-  unsigned char missing;
-  unsigned char sum;
-};
-
-/**
- * One request at a time of each kind. Its fields are private.
- */
-struct dp_host_request {
-  /**
-   * When it was sent last.
-   */
-  unsigned long sent_at;
-  /**
-   * When its predecessor, of which answers may still come, was sent last.
-   */
-  unsigned long before_at;
-  /**
-   * How far it is; 0 when there is none.
-   */
-  unsigned char stage;
-  /**
-   * How often it was sent, as far as that counts.
-   */
-  unsigned char sent;
-  /**
-   * Not 0: it was sent at all.
-   */
-  unsigned char used;
-  /**
-   * Not 0: answers to the predecessor may still come.
-   */
-  unsigned char loose;
-  /**
-   * Not 0: it was accepted by an ack.
-   */
-  unsigned char accepted;
-};
-
-/**
- * A host session. Its fields are private; all zero is a new session with default settings.
- */
-struct dp_host {
-  struct dp_host_settings settings;
-  struct dp_host_health health;
-  struct dp_host_link link;
-  /**
-   * The operation, cancel and status requests.
-   */
-  struct dp_host_request operation;
-  struct dp_host_request cancel;
-  struct dp_host_request status;
-  /**
-   * When the operation was sent first, when it was accepted, when anything was heard last, and when the status was
-   * last reported or asked for.
-   */
-  unsigned long started_at;
-  unsigned long accepted_at;
-  unsigned long heard_at;
-  unsigned long polled_at;
-  /**
-   * What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
-   */
-  int send;
-  int tell;
-  /**
-   * What is known of the operation: bits that operation.rs names.
-   */
-  int known;
-  /**
-   * The length of the message to be told.
-   */
-  int message_length;
-  /**
-   * Opcode and target of the operation.
-   */
-  unsigned char opcode;
-  unsigned char target[12];
-  /**
-   * The last status report. `reported` is 0 before the first.
-   */
-  unsigned char reported;
-  unsigned char stat;
-  unsigned char position[12];
-  /**
-   * Opcode of the message to be told, and outcomes of the requests to be told.
-   */
-  unsigned char message_opcode;
-  unsigned char operation_outcome;
-  unsigned char cancel_outcome;
-  unsigned char status_outcome;
+  int duplicates;
 };
 
 /**
@@ -388,9 +236,61 @@ struct dp_host_event {
 };
 
 /**
- * Begins a session. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
+ * Statistics of a session since it began. Counters wrap at 2^32.
+ */
+struct dp_host_health {
+  /**
+   * Intact frames received.
+   */
+  unsigned long frames;
+  /**
+   * Of these, frames whose payload has the wrong length for the opcode. They are ignored.
+   */
+  unsigned long malformed;
+  /**
+   * Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
+   */
+  unsigned long strays;
+  /**
+   * Bytes received that belong to no intact frame.
+   */
+  unsigned long garbage_bytes;
+  /**
+   * Frames that were whole but for their checksum. Their bytes are among the garbage.
+   */
+  unsigned long checksum_failures;
+  /**
+   * Answers that did not come in time.
+   */
+  unsigned long timeouts;
+  /**
+   * Requests that were retransmitted because of that.
+   */
+  unsigned long retransmissions;
+  /**
+   * Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
+   */
+  unsigned long rtt_count;
+  /**
+   * The last round-trip time.
+   */
+  unsigned long rtt_last;
+  /**
+   * The shortest round-trip time.
+   */
+  unsigned long rtt_min;
+  /**
+   * The longest round-trip time.
+   */
+  unsigned long rtt_max;
+  /**
+   * Sum of the round-trip times: divided by `rtt_count`, their average.
+   */
+  unsigned long rtt_sum;
+};
+
+/**
+ * Begins a session, in any memory. settings are copied; NULL stands for the defaults.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
@@ -404,8 +304,6 @@ int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) 
 
 /**
  * Requests homing. The end comes as an event.
- *
- * host was begun by `dp_host_init` or is all zero.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
@@ -465,9 +363,8 @@ DP_SIZED("dp_host_status");
 /**
  * Takes received bytes; `now_ms` is when they came.
  *
- * Returns how many bytes were taken: all, or as many as there is room for until events have been fetched by
- * `dp_host_poll`; give it the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf
- * is NULL and bytes is not 0.
+ * Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
+ * the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -483,7 +380,7 @@ DP_SIZED("dp_host_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
- * there is none; what is to be sent after that tells `dp_host_output`.
+ * there is none; then `dp_host_output` has what is to be sent.
  *
  * Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `DP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -522,7 +419,7 @@ DP_SIZED("dp_host_output");
 
 /**
  * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
- * the output was fetched: what it returns is then what poll(2) takes as time-out.
+ * the output was fetched: what it returns is then what poll(2) takes as timeout.
  *
  * Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
  *
@@ -547,17 +444,19 @@ DP_SIZED("dp_host_next_deadline");
 int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
 
 /**
- * How the link does.
+ * Copies the statistics.
  *
- * Returns counters that live and change with the session, or NULL when host is.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
- * const struct dp_host_health *health = dp_host_get_health(&host);
- * if (health->rtt_count > 0)
- *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+ * struct dp_host_health health;
+ * if (dp_host_get_health(&host, &health) == DP_RC_SUCCESS && health.rtt_count > 0)
+ *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  * ```
  */
-const struct dp_host_health *dp_host_get_health(const struct dp_host *host) DP_SIZED("dp_host_get_health");
+int dp_host_get_health(const struct dp_host *host,
+                       struct dp_host_health *health)
+DP_SIZED("dp_host_get_health");
 
 
 #ifdef __cplusplus

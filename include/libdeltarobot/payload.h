@@ -60,7 +60,7 @@ extern "C" {
 #define DP_MSG_TEXT_MAX 96
 
 /**
- * Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
+ * Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
  * `GENERAL_ERR`.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
@@ -77,7 +77,7 @@ int dp_build(struct protocol_msg *msg,
 DP_SIZED("dp_build");
 
 /**
- * Makes an acknowledgement of the request with the opcode answered, which is not checked.
+ * Builds an acknowledgement of the request with the opcode answered, which is not checked.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
@@ -90,7 +90,7 @@ DP_SIZED("dp_build");
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
 /**
- * Makes a refusal of the request with the opcode answered, which is not checked.
+ * Builds a refusal of the request with the opcode answered, which is not checked.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
@@ -103,7 +103,7 @@ int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
 /**
- * Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
+ * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
  * left as it was.
@@ -119,7 +119,7 @@ int dp_build_move(struct protocol_msg *msg,
 DP_SIZED("dp_build_move");
 
 /**
- * Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
+ * Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
  * zero.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or

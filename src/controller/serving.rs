@@ -1,146 +1,165 @@
-//! The firmware's own functions, called where the dispatcher asks for them.
-//!
-//! Everywhere here, the controller is not NULL, and no reference to it lives while one of these functions runs: they may
-//! call the library on it. It is ready at first; one of them may try to make it anew, without functions.
+//! The firmware's own functions, called where the core's controller asks for them.
 
+use core::ffi::{c_int, c_void};
 use core::mem::MaybeUninit;
+use core::ptr::with_exposed_provenance;
 
-use super::{Controller, DP_CONTROLLER_TELL_END, DP_CONTROLLER_TELL_ERROR};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
+
+use super::{Calls, Controller, DP_CONTROLLER_REFUSE_BUSY, DP_CONTROLLER_REPORT_END, DP_CONTROLLER_REPORT_ERROR};
 use crate::memory::int;
-use crate::payload::{layout_of, position_to, report_from};
+use crate::payload::{position_to, report_from};
 use crate::protocol::StatusReport;
-use deltarobot_protocols::deltarobot::controller::{Judgement, Order};
-use deltarobot_protocols::deltarobot::{FRAME_MAX, Message, Position, Report};
+use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
+use deltarobot_protocols::deltarobot::controller::{Controller as Core, Decision, Request};
+use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_MAX, Position, Report, receiver_room};
 
-/// Does one thing: reports the end of the operation, or answers one request. Tells whether there was something to do.
-///
-/// # Safety
-///
-/// See above, and as for [`dp_controller_poll`](super::dp_controller_poll).
-pub(super) unsafe fn act(controller: *mut Controller, idle: bool) -> bool {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        if (*controller).dispatcher.is_active() {
-            let now = status(controller);
-            if let Some(end) = (*controller).dispatcher.ended(&now) {
-                tell_end(controller, end);
+/// What lies in a [`Controller`].
+#[derive(Debug, FromBytes, Immutable, KnownLayout)]
+pub(crate) struct State {
+    pub(super) controller: Core<{ receiver_room(DP_DATA_MAX_SIZE) }>,
+    /// Addresses of the calls and of usr.
+    calls: usize,
+    usr: usize,
+    layout: u8,
+    /// Not 0: the end of an operation, and an error in one, are reported as the specification says.
+    reports_end: u8,
+    reports_error: u8,
+}
+
+impl State {
+    pub(super) fn set(&mut self, calls: *const Calls, usr: *mut c_void, layout: c_int, flags: c_int) {
+        self.controller.refuse_busy(flags & DP_CONTROLLER_REFUSE_BUSY != 0);
+        self.calls = calls.expose_provenance();
+        self.usr = usr.expose_provenance();
+        self.layout = u8::try_from(layout).unwrap_or_default();
+        self.reports_end = u8::from(flags & DP_CONTROLLER_REPORT_END != 0);
+        self.reports_error = u8::from(flags & DP_CONTROLLER_REPORT_ERROR != 0);
+    }
+}
+
+/// A controller with functions of the firmware's. No reference to it lives while one of these runs: they may call the
+/// library on it, and even make it anew, without functions.
+#[derive(Clone, Copy)]
+pub(super) struct Served(*mut Controller);
+
+impl Served {
+    /// `None` for NULL, and where the functions are not there that are needed.
+    ///
+    /// # Safety
+    ///
+    /// controller is NULL, or points to a whole object, made by `dp_controller_init` or all zero, which nobody else
+    /// touches as long as this lives.
+    pub(super) unsafe fn new(controller: *mut Controller) -> Option<Self> {
+        let served = Self(controller);
+        let (calls, _) = if controller.is_null() { None } else { served.calls() }?;
+        (calls.read.is_some() && calls.send.is_some()).then_some(served)
+    }
+
+    /// Looks at the state, or changes it.
+    fn with<R>(self, step: impl FnOnce(&mut State) -> R) -> R {
+        // SAFETY: not NULL and whole by the contract of new(); this is the only reference, as no step calls the
+        // firmware.
+        step(unsafe { &mut *self.0.cast() })
+    }
+
+    /// The functions, and usr.
+    fn calls<'a>(self) -> Option<(&'a Calls, *mut c_void)> {
+        let (calls, usr) = self.with(|state| (state.calls, state.usr));
+        // SAFETY: NULL, or what was given to dp_controller_init, which has to stay there.
+        let calls = unsafe { with_exposed_provenance::<Calls>(calls).as_ref() }?;
+        Some((calls, core::ptr::with_exposed_provenance_mut(usr)))
+    }
+
+    /// Does one thing: reports the end of the operation, or answers one request. `false` when there is nothing to do.
+    pub(super) fn act(self, idle: bool) -> bool {
+        if self.with(|state| state.controller.is_active()) {
+            let now = self.status();
+            if let Some(end) = self.with(|state| state.controller.ended(&now)) {
+                self.report_end(end.as_ref());
                 return true;
             }
         }
-        match (*controller).dispatcher.order(idle) {
-            Some(order) => serve(controller, &order),
-            None => return false,
+        let request = self.with(|state| state.controller.request(idle));
+        if let Some(request) = &request {
+            self.answer(request);
         }
+        request.is_some()
     }
-    true
-}
 
-/// Answers a request.
-///
-/// # Safety
-///
-/// As for [`act`].
-unsafe fn serve(controller: *mut Controller, order: &Order) {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let now = status(controller);
-        let judgement = (*controller).dispatcher.judge(order, &now);
-        let accepted = carry_out(controller, &judgement);
+    fn answer(self, request: &Request) {
+        let now = self.status();
+        let decision = self.with(|state| state.controller.decide(request, &now));
+        let accepted = self.carry_out(&decision);
         if accepted {
-            (*controller).dispatcher.began(&judgement);
+            self.with(|state| state.controller.started(&decision));
         }
-        if judgement != Judgement::Report {
-            let answer = if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) };
-            send(controller, &answer);
+        if decision != Decision::Report {
+            self.send(&if accepted { Message::Ack(request.opcode) } else { Message::Nack(request.opcode) });
         }
-        if judgement != Judgement::RefuseOnly {
-            let now = report(controller);
-            (*controller).dispatcher.reports(&now);
+        if decision != Decision::RefuseOnly {
+            let now = self.report();
+            self.with(|state| state.controller.reported(&now));
         }
     }
-}
 
-/// Has the firmware do what was judged; tells whether it does.
-///
-/// # Safety
-///
-/// As for [`act`].
-unsafe fn carry_out(controller: *mut Controller, judgement: &Judgement) -> bool {
-    // SAFETY: as the contract of this function asks, and as calls' own: its functions take usr.
-    unsafe {
-        let (Some(calls), usr) = ((*controller).calls.as_ref(), (*controller).usr) else { return false };
-        match judgement {
-            Judgement::Home => calls.home.is_some_and(|home| home(usr) == 0),
-            Judgement::Cancel => calls.cancel.is_some_and(|cancel| cancel(usr) == 0),
-            Judgement::Move(target) => calls.r#move.is_some_and(|start| {
+    /// Has the firmware do what was decided, and says whether it does.
+    fn carry_out(self, decision: &Decision) -> bool {
+        let Some((calls, usr)) = self.calls() else { return false };
+        match decision {
+            // SAFETY: this, and the two below, can be called with usr, as dp_controller_init asks.
+            Decision::Home => calls.home.is_some_and(|home| unsafe { home(usr) } == 0),
+            // SAFETY: see above.
+            Decision::Cancel => calls.cancel.is_some_and(|cancel| unsafe { cancel(usr) } == 0),
+            Decision::Move(target) => calls.r#move.is_some_and(|start| {
                 let mut position = MaybeUninit::uninit();
-                position_to(position.as_mut_ptr(), *target);
-                start(position.as_ptr(), usr) == 0
+                // SAFETY: see above; the position is ours, and filled in before it is read.
+                unsafe {
+                    position_to(position.as_mut_ptr(), *target);
+                    start(position.as_ptr(), usr) == 0
+                }
             }),
-            Judgement::Repeated => true,
-            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
+            Decision::Accept => true,
+            Decision::Report | Decision::Refuse | Decision::RefuseOnly => false,
         }
     }
-}
 
-/// # Safety
-///
-/// As for [`act`].
-unsafe fn tell_end(controller: *mut Controller, end: Option<Message>) {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let flag = match end {
-            Some(Message::GeneralError) => DP_CONTROLLER_TELL_ERROR,
-            _ => DP_CONTROLLER_TELL_END,
-        };
-        if let Some(end) = end.filter(|_| (*controller).flags & flag != 0) {
-            send(controller, &end);
+    fn report_end(self, end: Option<&Message>) {
+        let (reports_end, reports_error) = self.with(|state| (state.reports_end != 0, state.reports_error != 0));
+        match end {
+            Some(Message::GeneralError) if !reports_error => (),
+            Some(end) if reports_end || *end == Message::GeneralError => self.send(end),
+            _ => (),
         }
-        report(controller);
+        self.report();
     }
-}
 
-/// Asks the firmware for the status.
-///
-/// # Safety
-///
-/// As for [`act`].
-unsafe fn status(controller: *mut Controller) -> Report {
-    let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
-    // SAFETY: as the contract of this function asks; the report is ours.
-    unsafe {
-        if let Some(read) = (*controller).calls.as_ref().and_then(|calls| calls.read) {
-            read(&raw mut report, (*controller).usr);
+    /// Asks the firmware for the status.
+    fn status(self) -> Report {
+        let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
+        if let Some((Calls { read: Some(read), .. }, usr)) = self.calls() {
+            // SAFETY: it can be called with usr, as dp_controller_init asks; the report is ours.
+            unsafe { read(&raw mut report, usr) };
         }
-        report_from(&raw const report).unwrap_or(Report::new(Position::UNKNOWN, 0))
+        // SAFETY: the report is ours.
+        unsafe { report_from(&raw const report) }.unwrap_or(Report::new(Position::UNKNOWN, 0))
     }
-}
 
-/// Sends the status, and returns it.
-///
-/// # Safety
-///
-/// As for [`act`].
-#[inline(never)] // That is smaller.
-pub(super) unsafe fn report(controller: *mut Controller) -> Report {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let report = status(controller);
-        send(controller, &Message::StatusReport(report));
+    /// Sends the status, and returns it.
+    #[inline(never)] // That is smaller.
+    pub(super) fn report(self) -> Report {
+        let report = self.status();
+        self.send(&Message::StatusReport(report));
         report
     }
-}
 
-/// # Safety
-///
-/// As for [`act`].
-unsafe fn send(controller: *mut Controller, message: &Message) {
-    let mut frame = [MaybeUninit::<u8>::uninit(); FRAME_MAX];
-    // SAFETY: as the contract of this function asks.
-    let (calls, usr, layout) = unsafe { ((*controller).calls.as_ref(), (*controller).usr, (*controller).layout) };
-    let encoded = message.encode(layout_of(layout).unwrap_or_default(), &mut frame);
-    if let (Some(length), Some(send)) = (encoded, calls.and_then(|calls| calls.send)) {
-        // SAFETY: as calls asks: its functions take usr; encode() wrote that many bytes of the frame.
-        unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
+    fn send(self, message: &Message) {
+        let mut frame = [MaybeUninit::<u8>::uninit(); PAYLOAD_MAX.wrapping_add(FRAME_OVERHEAD)];
+        let layout = Layout::of(self.with(|state| state.layout));
+        let length = message.encode(layout, &mut frame);
+        if let (Some(length), Some((Calls { send: Some(send), .. }, usr))) = (length, self.calls()) {
+            // SAFETY: it can be called with usr, as dp_controller_init asks; encode() has written so many bytes.
+            unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
+        }
     }
 }

@@ -1,14 +1,12 @@
-//! What `dp_host_poll` tells.
+//! What `dp_host_poll` fetches.
 
 use core::ffi::{c_int, c_uchar};
-use core::mem::{align_of, offset_of, size_of};
 
 use crate::memory::int;
 use crate::payload::report_to;
-use crate::protocol::{DP_STATUS_ERROR, DP_STATUS_HOMING, DP_STATUS_IDLE, DP_STATUS_MOVING};
 use crate::protocol::{ProtocolMsg, StatusReport};
+use deltarobot_protocols::deltarobot::Opcode;
 use deltarobot_protocols::deltarobot::host::{Event, Outcome};
-use deltarobot_protocols::deltarobot::{Opcode, State};
 
 /// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
 pub const DP_HOST_MESSAGE: c_int = 1;
@@ -53,35 +51,17 @@ pub struct HostEvent {
     pub msg: ProtocolMsg,
 }
 
-// The layout that C compilers give it; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
-    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, opcode) == INT);
-    assert!(offset_of!(HostEvent, outcome) == INT + up(1, align_of::<c_int>()));
-    assert!(offset_of!(HostEvent, state) == offset_of!(HostEvent, outcome) + INT);
-    assert!(offset_of!(HostEvent, report) == up(offset_of!(HostEvent, state) + INT, align_of::<StatusReport>()));
-    assert!(
-        offset_of!(HostEvent, msg)
-            == up(offset_of!(HostEvent, report) + size_of::<StatusReport>(), align_of::<c_int>())
-    );
-    assert!(size_of::<HostEvent>() == offset_of!(HostEvent, msg) + size_of::<ProtocolMsg>());
-};
-
 /// Hands an event to C, or that there is none. The payload of a message is there already.
 ///
 /// # Safety
 ///
-/// out points to writable memory of its size and alignment.
+/// out points to a writable event, whose contents may be uninitialised.
 pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<&Event>) {
     let (mut opcode, mut outcome, mut report) = (Opcode(0), 0, None);
     let kind = match event {
         None => 0,
         Some(Event::Message(received, length)) => {
-            // SAFETY: as the contract of this function asks.
+            // SAFETY: writable by the contract.
             unsafe {
                 (*out).msg.opcode = received.0;
                 (*out).msg.data_s = int(*length);
@@ -107,12 +87,13 @@ pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<&Event>) {
             DP_HOST_ENDED
         }
     };
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: writable by the contract.
     unsafe {
         (*out).kind = kind;
         (*out).opcode = opcode.0;
         (*out).outcome = outcome;
-        (*out).state = report.map_or(-1, |report| state_of(report.state()));
+        // The states have the numbers of DP_STATUS_*.
+        (*out).state = report.map_or(-1, |report| report.state() as c_int);
         if let Some(report) = report {
             report_to(&raw mut (*out).report, report);
         }
@@ -126,14 +107,5 @@ const fn outcome_of(outcome: Outcome) -> c_int {
         Outcome::Failed => DP_HOST_FAILED,
         Outcome::Cancelled => DP_HOST_CANCELLED,
         Outcome::TimedOut => DP_HOST_TIMED_OUT,
-    }
-}
-
-const fn state_of(state: State) -> c_int {
-    match state {
-        State::Idle => DP_STATUS_IDLE,
-        State::Homing => DP_STATUS_HOMING,
-        State::Moving => DP_STATUS_MOVING,
-        State::Error => DP_STATUS_ERROR,
     }
 }

@@ -1,4 +1,4 @@
-//! Messages of the specification, made.
+//! Building messages.
 
 use core::ffi::{c_int, c_uchar};
 
@@ -9,7 +9,7 @@ use deltarobot_export::export;
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 
-/// Makes a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
+/// Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
 /// `GENERAL_ERR`.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
@@ -22,11 +22,11 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or the caller's whole object.
     unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto).as_ref(), Layout::Auto) }
 }
 
-/// Makes an acknowledgement of the request with the opcode answered, which is not checked.
+/// Builds an acknowledgement of the request with the opcode answered, which is not checked.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
 ///
@@ -37,11 +37,11 @@ pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_i
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or the caller's whole object.
     unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
 }
 
-/// Makes a refusal of the request with the opcode answered, which is not checked.
+/// Builds a refusal of the request with the opcode answered, which is not checked.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
 ///
@@ -52,11 +52,11 @@ pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) 
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or the caller's whole object.
     unsafe { build(msg, Some(&Message::Nack(Opcode(answered))), Layout::Auto) }
 }
 
-/// Makes a request to move to a position. Its floats are copied bit by bit, NaNs too.
+/// Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
 /// left as it was.
@@ -68,15 +68,11 @@ pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar)
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(target) = (unsafe { position_from(target) }) else {
-        return DP_RC_ERROR_GENERIC;
-    };
-    // SAFETY: as the contract of this function asks.
-    unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
+    // SAFETY: each is NULL or the caller's whole object.
+    unsafe { build(msg, position_from(target).map(Message::Move).as_ref(), Layout::Auto) }
 }
 
-/// Makes a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
+/// Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
 /// zero.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
@@ -93,19 +89,16 @@ pub unsafe extern "C" fn dp_build_status_report(
     report: *const StatusReport,
     layout: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (Some(report), Some(layout)) = (unsafe { report_from(report) }, layout_of(layout)) else {
-        return DP_RC_ERROR_GENERIC;
-    };
-    // SAFETY: as the contract of this function asks.
-    unsafe { build(msg, Some(&Message::StatusReport(report)), layout) }
+    let Some(layout) = layout_of(layout) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: each is NULL or the caller's whole object.
+    unsafe { build(msg, report_from(report).map(Message::StatusReport).as_ref(), layout) }
 }
 
 /// Fills in a message; leaves it alone when there is none to write or it does not fit.
 ///
 /// # Safety
 ///
-/// As for [`dp_build`].
+/// msg is NULL or points to a whole object of the caller's.
 unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout) -> c_int {
     let mut payload = [0; PAYLOAD_MAX];
     let (Some(message), false) = (message, msg.is_null()) else {
@@ -115,7 +108,7 @@ unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout
     if length > DP_DATA_MAX_SIZE {
         return DP_RC_ERROR_GENERIC;
     }
-    // SAFETY: not NULL, so as the contract of this function asks.
+    // SAFETY: not NULL, so a whole message, of which the payload has room for the length.
     unsafe {
         (*msg).opcode = message.opcode().0;
         (*msg).data_s = int(length);

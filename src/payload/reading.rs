@@ -1,4 +1,4 @@
-//! What messages say.
+//! Reading messages.
 
 use core::ffi::{c_int, c_uchar};
 
@@ -18,7 +18,7 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode};
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or the caller's whole object.
     match unsafe { read(msg, Layout::Auto) } {
         Some(_) => DP_RC_SUCCESS,
         None => DP_RC_ERROR_GENERIC,
@@ -37,8 +37,8 @@ pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut c_uchar) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match (unsafe { read(msg, Layout::Auto) }, unsafe { answered.as_mut() }) {
+    // SAFETY: each is NULL or the caller's whole object.
+    match unsafe { (read(msg, Layout::Auto), answered.as_mut()) } {
         (Some(Message::Ack(opcode) | Message::Nack(opcode)), Some(answered)) => *answered = opcode.0,
         _ => return DP_RC_ERROR_GENERIC,
     }
@@ -57,9 +57,9 @@ pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut 
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_read_move(msg: *const ProtocolMsg, target: *mut Position) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or the caller's whole object.
     match unsafe { read(msg, Layout::Auto) } {
-        // SAFETY: not NULL, so as the contract of this function asks.
+        // SAFETY: not NULL, so the caller's whole object.
         Some(Message::Move(position)) if !target.is_null() => unsafe { position_to(target, position) },
         _ => return DP_RC_ERROR_GENERIC,
     }
@@ -83,12 +83,10 @@ pub unsafe extern "C" fn dp_read_status_report(
     layout: c_int,
     report: *mut StatusReport,
 ) -> c_int {
-    let Some(layout) = layout_of(layout) else {
-        return DP_RC_ERROR_GENERIC;
-    };
-    // SAFETY: as the contract of this function asks.
+    let Some(layout) = layout_of(layout) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: NULL or the caller's whole object.
     match unsafe { read(msg, layout) } {
-        // SAFETY: not NULL, so as the contract of this function asks.
+        // SAFETY: not NULL, so the caller's whole object.
         Some(Message::StatusReport(read)) if !report.is_null() => unsafe { report_to(report, &read) },
         _ => return DP_RC_ERROR_GENERIC,
     }
@@ -99,11 +97,11 @@ pub unsafe extern "C" fn dp_read_status_report(
 ///
 /// # Safety
 ///
-/// As for [`dp_msg_check`].
+/// msg is NULL or points to a whole object of the caller's.
 unsafe fn read(msg: *const ProtocolMsg, layout: Layout) -> Option<Message> {
     if msg.is_null() {
         return None;
     }
-    // SAFETY: not NULL, so a message by the contract of this function.
+    // SAFETY: not NULL, so a whole message, which nobody writes meanwhile.
     unsafe { Message::read(Opcode((*msg).opcode), payload_of(msg)?, layout) }
 }

@@ -1,4 +1,4 @@
-//! Messages in words.
+//! Messages as text.
 
 use core::ffi::{c_char, c_int, c_uchar};
 
@@ -23,7 +23,7 @@ const _: () = assert!(DP_MSG_TEXT_MAX as usize == TEXT_MAX);
 /// ```
 #[export]
 pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
-    Opcode(opcode).name().as_ptr()
+    Opcode(opcode).terminated_name().as_ptr().cast()
 }
 
 /// Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
@@ -50,16 +50,16 @@ pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char
     let mut length = 0_usize;
     let mut put = |byte: u8| {
         if length.wrapping_add(1) < room {
-            // SAFETY: below the capacity, so in the buffer by the contract of this function.
+            // SAFETY: below the capacity, so in the caller's buffer.
             unsafe { buf.add(length).cast::<u8>().write(byte) };
         }
         length = length.wrapping_add(1);
     };
-    // SAFETY: msg is not NULL, so a message by the contract of this function.
+    // SAFETY: msg is not NULL, so a whole message, which nobody writes meanwhile.
     let (opcode, payload) = unsafe { (Opcode((*msg).opcode), payload_of(msg)) };
     describe(opcode, payload.unwrap_or_default(), &mut put);
     if let Some(last) = room.checked_sub(1) {
-        // SAFETY: as above.
+        // SAFETY: below the capacity, so in the caller's buffer.
         unsafe { buf.add(length.min(last)).write(0) };
     }
     int(length)

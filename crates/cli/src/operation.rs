@@ -3,18 +3,20 @@
 mod teller;
 
 use std::env;
-use std::ffi::{c_int, c_ulong};
 use std::path::PathBuf;
 
 use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
-use deltarobot_protocols::deltarobot::{Layout, Opcode, POSITION_SIZE, Position, State};
+use deltarobot_protocols::deltarobot::{Layout, Opcode, POSITION_SIZE, Position, State, receiver_room};
 
 use crate::port::{Device, Speed};
 use crate::screen::complain;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
 use teller::Teller;
+
+/// Of the session's receiver.
+const ROOM: usize = receiver_room(DP_DATA_MAX_SIZE);
 
 /// The longest that is waited without looking whether the user wants to end.
 const TURN_MS: u32 = 100;
@@ -129,7 +131,7 @@ fn request(
     common: &Common,
     operation: Option<Operation>,
     opcode: Opcode,
-    start: impl FnOnce(&mut Host) -> bool,
+    start: impl FnOnce(&mut Host<ROOM>) -> bool,
 ) -> Result<Status, Failure> {
     let port = common.port()?;
     let signals = Signals::catch()?;
@@ -153,10 +155,10 @@ fn settings(common: &Common, operation: Option<Operation>) -> Settings {
         Reports::Auto => Layout::Auto,
         Reports::Spec => Layout::Spec,
         Reports::Firmware => Layout::Firmware,
-    } as c_int;
+    } as u8;
     if let Some(operation) = operation {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most a day's milliseconds")]
-        let timeout = (operation.timeout * 1000.0) as c_ulong;
+        let timeout = (operation.timeout * 1000.0) as u32;
         settings.operation_ms = timeout;
     }
     settings
@@ -165,7 +167,7 @@ fn settings(common: &Common, operation: Option<Operation>) -> Settings {
 struct Session {
     /// What is requested.
     opcode: Opcode,
-    host: Host,
+    host: Host<ROOM>,
     device: Device,
     teller: Teller,
     ends_when_accepted: bool,
@@ -199,7 +201,7 @@ impl Session {
                 let patience = self.host.next_deadline(now).unwrap_or(TURN_MS).min(TURN_MS);
                 received.extend_from_slice(self.device.read(patience)?);
             }
-            // What does not fit into the session's ring waits until that was polled.
+            // What does not fit into the session waits until that was polled.
             let taken = self.host.receive(&received, self.teller.now());
             received.drain(..taken);
             if signals.came() && self.interrupt() {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 /// An opcode's name.
 pub(crate) fn name(opcode: Opcode) -> &'static str {
-    opcode.name().to_str().unwrap_or_default()
+    opcode.name()
 }
 
 /// A message on one line, worded as the original's host program does.
@@ -34,7 +34,7 @@ pub(crate) fn report_json(report: &Report) -> Value {
         .into_iter()
         .filter_map(|(bit, arm)| (report.stat() & bit != 0).then_some(arm))
         .collect();
-    let state = report.state().name().to_str().unwrap_or_default();
+    let state = report.state().name();
     json!({ "state": state, "position": position_json(report.position), "stops": stops })
 }
 

@@ -75,8 +75,8 @@ impl Teller {
                     "garbage_bytes": health.garbage_bytes,
                     "checksum_failures": health.checksum_failures,
                     "timeouts": health.timeouts,
-                    "repeats": health.repeats,
-                    "round_trip_ms": health.rtt_sum.checked_div(health.rtt_count),
+                    "repeats": health.retransmissions,
+                    "round_trip_ms": health.round_trips.sum.checked_div(health.round_trips.count),
                 },
             })
             .to_string()

@@ -4,13 +4,16 @@ mod robot;
 
 use std::time::Duration;
 
-use deltarobot_protocols::deltarobot::controller::{Dispatcher, Judgement, Order};
-use deltarobot_protocols::deltarobot::{FRAME_MAX, Layout, Message, PAYLOAD_MAX, encode};
+use deltarobot_protocols::deltarobot::controller::{Controller as Session, Decision, Request};
+use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_MAX, encode, receiver_room};
 
 use super::random::Random;
 use super::{Machine, above_zero};
 use crate::decoder::QUIET;
 use robot::Robot;
+
+/// Of the session's receiver, which takes frames as long as shipped firmware does.
+const ROOM: usize = receiver_room(32);
 
 /// Options of the controller.
 #[derive(Clone, Debug, clap::Args)]
@@ -46,7 +49,7 @@ impl ControllerOptions {
 pub(super) struct Controller {
     is_firmware: bool,
     no_ack: bool,
-    dispatcher: Dispatcher,
+    session: Session<ROOM>,
     robot: Robot,
     /// What is in the padding of reports.
     rubbish: Random,
@@ -60,7 +63,7 @@ impl Controller {
         Self {
             is_firmware: options.layout != Some(Kind::Spec),
             no_ack: options.no_ack,
-            dispatcher: Dispatcher::new(),
+            session: Session::new(),
             robot: Robot::new(options.speed.unwrap_or(50.0)),
             rubbish,
             heard: Duration::ZERO,
@@ -70,31 +73,31 @@ impl Controller {
 
     /// Answers all requests.
     fn serve(&mut self, idle: bool, out: &mut Vec<u8>) {
-        while let Some(order) = self.dispatcher.order(idle) {
-            self.answer(&order, out);
+        while let Some(request) = self.session.request(idle) {
+            self.answer(&request, out);
         }
     }
 
-    fn answer(&mut self, order: &Order, out: &mut Vec<u8>) {
+    fn answer(&mut self, request: &Request, out: &mut Vec<u8>) {
         let now = self.robot.report(self.is_firmware);
-        let judgement = self.dispatcher.judge(order, &now);
-        let accepted = match judgement {
-            Judgement::Home => self.robot.home(),
-            Judgement::Move(target) => self.robot.move_to(target),
-            Judgement::Cancel => self.robot.cancel(),
-            Judgement::Repeated => true,
-            Judgement::Report | Judgement::Refuse | Judgement::RefuseOnly => false,
+        let decision = self.session.decide(request, &now);
+        let accepted = match decision {
+            Decision::Home => self.robot.home(),
+            Decision::Move(target) => self.robot.move_to(target),
+            Decision::Cancel => self.robot.cancel(),
+            Decision::Accept => true,
+            Decision::Report | Decision::Refuse | Decision::RefuseOnly => false,
         };
         if accepted {
-            self.dispatcher.began(&judgement);
+            self.session.started(&decision);
         }
-        if judgement != Judgement::Report && !self.no_ack {
-            self.say(&if accepted { Message::Ack(order.opcode) } else { Message::Nack(order.opcode) }, out);
+        if decision != Decision::Report && !self.no_ack {
+            self.say(&if accepted { Message::Ack(request.opcode) } else { Message::Nack(request.opcode) }, out);
         }
-        if judgement != Judgement::RefuseOnly {
+        if decision != Decision::RefuseOnly {
             self.report(out);
             let now = self.robot.report(self.is_firmware);
-            self.dispatcher.reports(&now);
+            self.session.reported(&now);
         }
     }
 
@@ -113,8 +116,7 @@ impl Controller {
             *stat |= 0xE0;
             [*first, *second, *third, ..] = self.rubbish.next().to_le_bytes();
         }
-        let mut frame = [0; FRAME_MAX];
-        // What is too long for this build's frames is not sent.
+        let mut frame = [0; PAYLOAD_MAX + FRAME_OVERHEAD];
         let length = encode(message.opcode(), payload.get(..length).unwrap_or_default(), &mut frame).unwrap_or(0);
         out.extend_from_slice(frame.get(..length).unwrap_or_default());
     }
@@ -123,12 +125,10 @@ impl Controller {
 impl Machine for Controller {
     fn receive(&mut self, bytes: &[u8], now: Duration, out: &mut Vec<u8>) {
         self.heard = now;
-        // In pieces that fit, or requests would be lost.
         let mut rest = bytes;
         while !rest.is_empty() {
-            let (fits, later) = rest.split_at(rest.len().min(self.dispatcher.ring().room()).max(1));
-            let _ = self.dispatcher.ring().append(fits);
-            rest = later;
+            let taken = self.session.receive(rest);
+            rest = rest.get(taken..).unwrap_or_default();
             self.serve(false, out);
         }
     }
@@ -140,7 +140,7 @@ impl Machine for Controller {
         let stepped = self.robot.turn(now.saturating_sub(self.turned).as_secs_f64());
         self.turned = now;
         let report = self.robot.report(self.is_firmware);
-        if let Some(end) = self.dispatcher.ended(&report) {
+        if let Some(end) = self.session.ended(&report) {
             if let Some(end) = end.filter(|_| !self.is_firmware) {
                 self.say(&end, out);
             }

@@ -1,12 +1,12 @@
 //! The host's end of the link: requests go in, outcomes come out.
 //!
 //! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
-//! events. It keeps no queue but the ring: [`poll`](Host::poll) takes one frame out at a time, and the next only when
-//! all that the last one meant has been told.
+//! events. It has room for little more than one frame: [`receive`](Host::receive) takes as many bytes as fit, and the
+//! others when all events of the former were fetched by [`poll`](Host::poll).
 //!
 //! # What can be relied on
 //!
-//! The protocol numbers nothing: an ack says which opcode it answers, not which request. So what a frame means depends
+//! The protocol numbers nothing: an ack names the opcode that it answers, not the request. So what a frame means depends
 //! on when it was sent, and that is known from two properties of a serial line: it keeps the order of bytes, and what
 //! it delivers at all it delivers soon, the answer to a request within [`Settings::guard_ms`]. Where both hold, and no
 //! damaged frame passes for an intact one (with a checksum of 8 bits one in some hundred does), each request ends
@@ -15,22 +15,22 @@
 //!
 //! # A request
 //!
-//! is sent, and again when no answer came in [`Settings::ack_ms`], up to [`attempts`](field@Settings::attempts) times.
-//! The specification asks for this "depending on the opcode". Here every request is repeated, since carrying one out
-//! twice is no harm: a move goes to an absolute position, homing and cancelling end in one state, asking changes
-//! nothing. But an operation is not repeated any more once its cancelling was requested, or an error was reported: that
-//! would move the robot against the user's will.
+//! is sent, and retransmitted when no answer came in [`Settings::ack_ms`], up to [`attempts`](field@Settings::attempts)
+//! times altogether. The specification asks for this "depending on the opcode". Here every request is retransmitted,
+//! since carrying one out twice is no harm: a move goes to an absolute position, homing and cancelling end in one
+//! state, asking changes nothing. But an operation is not retransmitted once its cancelling was requested, or an error
+//! was reported: that would move the robot against the user's will.
 //!
 //! - Accepted: its ack came. What was received before belongs to an older operation and ends nothing.
-//! - Refused: its nack came. After a repeat that may be because the first request, whose ack was lost, is being carried
-//!   out: then the state decides.
+//! - Refused: its nack came. After a retransmission that may be because the first request, whose ack was lost, is being
+//!   carried out: then the state decides.
 //! - Unanswered: it has timed out, unless reports of homing or moving, or of standing at the target after having stood
 //!   elsewhere, have shown that only the answers are lost. Then it counts as accepted, but its end is believed from
 //!   status reports alone.
 //!
-//! A next operation waits until no answer to the last can come any more, unless that was sent once and accepted and the
-//! line does not double frames ([`Settings::doubles`]). A cancel request waits for nothing; answers that may be those
-//! of an older one are ignored, and it is repeated.
+//! The next operation waits until no answer to the last can come any more, unless that was sent once and accepted and
+//! the line does not duplicate frames ([`Settings::duplicates`]). A cancel request waits for nothing; answers that may
+//! be those of an older one are ignored, and it is retransmitted.
 //!
 //! # An accepted operation
 //!
@@ -44,83 +44,99 @@
 //! - its cancelling: cancelled, as soon as IDLE is reported;
 //! - silence, or by lasting too long: timed out.
 //!
-//! IDLE, `h` and `m` are not believed while a repeat of the request may still be on its way, as that
-//! would start the operation again. No harm is done by ignoring an `h`: the status is asked for until the end.
+//! IDLE, `h` and `m` are not believed while a retransmission of the request may still be on its way, as that would
+//! start the operation again. No harm is done by ignoring an `h`: the status is asked for until the end.
 //!
 //! ```
-//! use deltarobot_protocols::deltarobot::Opcode;
 //! use deltarobot_protocols::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
+//! use deltarobot_protocols::deltarobot::{Opcode, receiver_room};
 //!
-//! let mut host = Host::new(Settings::new());
+//! let mut host = Host::<{ receiver_room(32) }>::new(Settings::new());
 //! host.home().unwrap();
 //! let (mut room, mut payload) = ([0; REQUEST_MAX], [0; 32]);
 //! assert_eq!(host.poll(0, &mut payload), None);
 //! let length = host.output(&mut room, REQUEST_MAX, 0);
 //! assert_eq!(room[..length], *b"$H\0\xA6:");
 //!
-//! host.receive(b"$A\x01H\xE8:$h\0\xC6:", 5);
+//! assert_eq!(host.receive(b"$A\x01H\xE8:$h\0\xC6:", 5), 11);
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Accepted(Opcode::HOMING)));
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Ended(Opcode::HOMING, Outcome::Finished)));
 //! ```
 
-mod event;
-mod health;
 mod link;
 mod operation;
 mod request;
 mod settings;
 mod timers;
 
-use core::ffi::{c_int, c_uchar, c_ulong};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::clock::stamp;
-use crate::counter::count;
-pub use event::{Event, Outcome};
-use event::{TELL_CANCEL_ENDED, TELL_ENDED, TELL_MESSAGE, TELL_STATUS_ENDED};
-pub use health::Health;
-pub use link::Link;
-pub use request::Request;
-use request::{FREE, QUEUED};
-pub use settings::Settings;
+use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report};
+use crate::session::{Flags, count, flags};
+use link::Link;
+pub use request::Outcome;
+use request::{Request, Stage};
+pub use settings::{Health, Settings};
 
-use super::{FRAME_OVERHEAD, Layout, Message, Opcode, PAYLOAD_MAX, POSITION_SIZE, Place, Position, Report};
+/// A host session with a [`Receiver`](super::Receiver) of `ROOM` bytes. All zero is a new one with default settings.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub struct Host<const ROOM: usize> {
+    link: Link<ROOM>,
+    session: Session,
+}
 
-/// A host session. Its fields are private; all zero is a new session with default settings.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Host {
+/// All of a session but what it receives.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+struct Session {
     settings: Settings,
     health: Health,
-    link: Link,
-    /// The operation, cancel and status requests.
     operation: Request,
     cancel: Request,
     status: Request,
-    /// When the operation was sent first, when it was accepted, when anything was heard last, and when the status was
-    /// last reported or asked for.
-    started_at: c_ulong,
-    accepted_at: c_ulong,
-    heard_at: c_ulong,
-    polled_at: c_ulong,
-    /// What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`.
-    send: c_int,
-    tell: c_int,
-    /// What is known of the operation: bits that operation.rs names.
-    known: c_int,
-    /// The length of the message to be told.
-    message_length: c_int,
-    /// Opcode and target of the operation.
-    opcode: c_uchar,
-    target: [c_uchar; 12],
-    /// The last status report. `reported` is 0 before the first.
-    reported: c_uchar,
-    stat: c_uchar,
-    position: [c_uchar; 12],
-    /// Opcode of the message to be told, and outcomes of the requests to be told.
-    message_opcode: c_uchar,
-    operation_outcome: c_uchar,
-    cancel_outcome: c_uchar,
-    status_outcome: c_uchar,
+    /// When the operation was sent first, and when it was accepted.
+    started_at: u32,
+    accepted_at: u32,
+    /// When a frame was received last.
+    heard_at: u32,
+    /// When the status was last reported or asked for.
+    polled_at: u32,
+    /// The target of the operation, if it is a move.
+    target: Position,
+    /// The last status report.
+    report: Report,
+    /// Opcode of the operation.
+    opcode: u8,
+    /// Not 0: there was a status report.
+    has_report: u8,
+    facts: Flags<operation::Fact>,
+    notices: Flags<Notice>,
+}
+
+flags! {
+    /// Events that are to be fetched, besides the ends of requests.
+    enum Notice {
+        Status,
+        State,
+        GeneralError,
+        Accepted,
+    }
+}
+
+/// What has happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A message was received (where [`Settings::messages`] asks for these), with this many bytes of payload.
+    Message(Opcode, usize),
+    /// A status report was received.
+    Status(Report),
+    /// The platform's state is another one than in the report before this one.
+    State(Report),
+    /// A general error was received.
+    GeneralError,
+    /// The operation was accepted.
+    Accepted(Opcode),
+    /// A request has ended.
+    Ended(Opcode, Outcome),
 }
 
 /// A request of the kind is going on, or its outcome has not been fetched yet.
@@ -130,39 +146,16 @@ pub struct Busy;
 /// Bytes of the longest frame that is sent: a move's.
 pub const REQUEST_MAX: usize = POSITION_SIZE.wrapping_add(FRAME_OVERHEAD);
 
-const SEND_CANCEL: c_int = 1;
-const SEND_OPERATION: c_int = 2;
-const SEND_STATUS: c_int = 4;
-
-impl Host {
+impl<const ROOM: usize> Host<ROOM> {
     /// A session that has just begun.
     #[must_use]
     pub const fn new(settings: Settings) -> Self {
-        Self {
-            settings,
-            health: Health::new(),
-            link: Link::new(),
-            operation: Request::new(),
-            cancel: Request::new(),
-            status: Request::new(),
-            started_at: 0,
-            accepted_at: 0,
-            heard_at: 0,
-            polled_at: 0,
-            send: 0,
-            tell: 0,
-            known: 0,
-            message_length: 0,
-            opcode: 0,
-            target: [0; POSITION_SIZE],
-            reported: 0,
-            stat: 0,
-            position: [0; POSITION_SIZE],
-            message_opcode: 0,
-            operation_outcome: 0,
-            cancel_outcome: 0,
-            status_outcome: 0,
-        }
+        Self { link: Link::new(), session: Session::new(settings) }
+    }
+
+    /// The settings, to be changed while nothing is going on.
+    pub const fn settings(&mut self) -> &mut Settings {
+        &mut self.session.settings
     }
 
     /// Requests homing.
@@ -171,7 +164,7 @@ impl Host {
     ///
     /// [`Busy`] while an operation is going on.
     pub fn home(&mut self) -> Result<(), Busy> {
-        self.start(Opcode::HOMING)
+        self.session.start(Opcode::HOMING)
     }
 
     /// Requests a move. The position has to be finite: others are the caller's to refuse.
@@ -180,18 +173,8 @@ impl Host {
     ///
     /// [`Busy`] while an operation is going on.
     pub fn move_to(&mut self, target: Position) -> Result<(), Busy> {
-        self.start(Opcode::MOVE)?;
-        self.target = target.to_wire();
-        Ok(())
-    }
-
-    fn start(&mut self, opcode: Opcode) -> Result<(), Busy> {
-        if !self.operation.is_free() || self.tell & TELL_ENDED != 0 {
-            return Err(Busy);
-        }
-        self.opcode = opcode.0;
-        self.known = 0;
-        self.operation.queue(self.settings.doubles != 0);
+        self.session.start(Opcode::MOVE)?;
+        self.session.target = target;
         Ok(())
     }
 
@@ -202,12 +185,10 @@ impl Host {
     ///
     /// [`Busy`] while this is being requested already.
     pub fn cancel(&mut self) -> Result<(), Busy> {
-        if !self.cancel.is_free() || self.tell & TELL_CANCEL_ENDED != 0 {
-            return Err(Busy);
-        }
-        self.cancel.queue(true);
-        if self.operation.stage() == QUEUED {
-            self.end_operation(Outcome::Cancelled);
+        let session = &mut self.session;
+        session.cancel.queue(true)?;
+        if session.operation.stage() == Stage::Queued {
+            session.operation.end(Outcome::Cancelled);
         }
         Ok(())
     }
@@ -218,115 +199,124 @@ impl Host {
     ///
     /// [`Busy`] while one is being requested already.
     pub fn status(&mut self) -> Result<(), Busy> {
-        if !self.status.is_free() || self.tell & TELL_STATUS_ENDED != 0 {
-            return Err(Busy);
-        }
-        self.status.queue(false);
-        Ok(())
+        self.session.status.queue(false)
     }
 
     /// Whether an operation is going on.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        !self.operation.is_free() || self.tell & TELL_ENDED != 0
+        self.session.operation.stage() != Stage::Free
     }
 
     /// The last status report, if there was one.
     #[must_use]
     pub fn last_report(&self) -> Option<Report> {
-        (self.reported != 0).then(|| Report::new(Position::from_wire(&self.position), self.stat))
+        self.session.last_report()
     }
 
-    /// How the link does.
+    /// How well the link works.
     #[must_use]
     pub const fn health(&self) -> &Health {
-        &self.health
+        &self.session.health
     }
 
-    /// Takes received bytes, as many as there is room for, and tells how many that were. [`poll`](Self::poll) makes
-    /// room.
+    /// Takes received bytes, as many as there is room for, and returns how many. The others fit when
+    /// [`poll`](Self::poll) has no more events. `now` is when they came.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
-        self.link.receive(input, now, &mut self.health)
+        self.link.receive(input, now)
     }
 
-    /// The next event; `None` when nothing has happened. Of [`Event::Message`], the payload is copied to `data` as
-    /// far as that goes; other events change it too.
+    /// The next event; `None` when there is none. Of [`Event::Message`], the payload is copied to `data` as far as that
+    /// goes; other events change it too.
     pub fn poll<P: Place>(&mut self, now: u32, data: &mut [P]) -> Option<Event> {
+        let Self { link, session } = self;
         loop {
-            if let Some(event) = self.event() {
+            if let Some(event) = session.next_event() {
                 return Some(event);
             }
-            let layout = match self.settings.layout {
-                1 => Layout::Spec,
-                2 => Layout::Firmware,
-                _ => Layout::Auto,
-            };
-            let mut head = [0; PAYLOAD_MAX];
-            let gap = self.settings.gap();
-            let Some((opcode, length)) = self.link.next(now, gap, &mut head, data, &mut self.health) else {
-                // Only now: what is received already is no answer to what is sent next, and may end what would time
-                // out.
-                self.look_at_the_time(now);
-                return self.event();
-            };
-            self.heard_at = stamp(now);
-            if self.settings.messages != 0 {
-                self.message_opcode = opcode.0;
-                // A payload has at most 255 bytes.
-                self.message_length = c_int::try_from(length).unwrap_or_default();
-                self.tell |= TELL_MESSAGE;
+            let Some(frame) = link.next(now, session.settings.gap(), &mut session.health) else { break };
+            for (place, byte) in data.iter_mut().zip(frame.payload) {
+                *place = P::of(*byte);
             }
-            match &Message::parse(opcode, &head, length, layout) {
-                Some(message) => self.understand(message, now),
-                None => count(&mut self.health.malformed),
+            session.heard_at = now;
+            match Message::read(frame.opcode, frame.payload, Layout::of(session.settings.layout)) {
+                Some(message) => session.handle(&message, now),
+                None => count(&mut session.health.malformed),
+            }
+            if session.settings.messages != 0 {
+                return Some(Event::Message(frame.opcode, frame.payload.len()));
             }
         }
-    }
-
-    /// Replaces the settings. For a session that has just begun.
-    pub fn set(&mut self, settings: &Settings) {
-        // One by one, which never becomes a call of memcpy.
-        self.settings.ack_ms = settings.ack_ms;
-        self.settings.guard_ms = settings.guard_ms;
-        self.settings.settle_ms = settings.settle_ms;
-        self.settings.poll_ms = settings.poll_ms;
-        self.settings.silence_ms = settings.silence_ms;
-        self.settings.operation_ms = settings.operation_ms;
-        self.settings.gap_ms = settings.gap_ms;
-        self.settings.tolerance = settings.tolerance;
-        self.settings.attempts = settings.attempts;
-        self.settings.layout = settings.layout;
-        self.settings.messages = settings.messages;
-        self.settings.doubles = settings.doubles;
+        // What was received already is no answer to what is sent next, and may end what would time out.
+        if !link.take_has_more() {
+            session.on_timer(now);
+        }
+        session.next_event()
     }
 
     /// Writes the frame of the next request that fits in `room` bytes, and returns its length; 0 when there is none:
     /// three (of 27 bytes together) at most at a time. To be called after [`poll`](Self::poll); `now` is when it
     /// leaves.
     pub fn output(&mut self, frame: &mut [u8; REQUEST_MAX], room: usize, now: u32) -> usize {
-        let operation = match self.operation_opcode() {
-            Opcode::MOVE => Message::Move(Position::from_wire(&self.target)),
+        let session = &mut self.session;
+        let operation = match session.operation_opcode() {
+            Opcode::MOVE => Message::Move(session.target),
             _ => Message::Homing,
         };
-        for (flag, message, request) in [
-            (SEND_CANCEL, Message::Cancel, &mut self.cancel),
-            (SEND_OPERATION, operation, &mut self.operation),
-            (SEND_STATUS, Message::Status, &mut self.status),
+        for (request, message) in [
+            (&mut session.cancel, Message::Cancel),
+            (&mut session.operation, operation),
+            (&mut session.status, Message::Status),
         ] {
-            if self.send & flag == 0 {
-                continue;
-            }
-            let length = message.encode(Layout::Auto, frame).unwrap_or_default();
-            if length <= room {
-                self.send ^= flag;
-                request.put_out(now);
-                return length;
+            if request.is_to_send() {
+                let length = message.encode(Layout::Auto, frame).unwrap_or_default();
+                if length <= room {
+                    request.leaves(now);
+                    return length;
+                }
             }
         }
         0
     }
 
-    /// What the operation is, whatever the struct holds.
+    /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;
+    /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
+    #[must_use]
+    pub fn next_deadline(&self, now: u32) -> Option<u32> {
+        let gap = self.link.gap_left(now, self.session.settings.gap());
+        [gap, self.session.next_deadline(now)].into_iter().flatten().min()
+    }
+}
+
+impl Session {
+    const fn new(settings: Settings) -> Self {
+        Self {
+            settings,
+            health: Health::new(),
+            operation: Request::new(),
+            cancel: Request::new(),
+            status: Request::new(),
+            started_at: 0,
+            accepted_at: 0,
+            heard_at: 0,
+            polled_at: 0,
+            target: Position([0; 3]),
+            report: Report::new(Position([0; 3]), 0),
+            opcode: 0,
+            has_report: 0,
+            facts: Flags::new(),
+            notices: Flags::new(),
+        }
+    }
+
+    fn start(&mut self, opcode: Opcode) -> Result<(), Busy> {
+        self.operation.queue(self.settings.duplicates != 0)?;
+        self.opcode = opcode.0;
+        self.facts = Flags::new();
+        Ok(())
+    }
+
+    /// The opcode of the operation, whatever the state holds.
     const fn operation_opcode(&self) -> Opcode {
         match Opcode(self.opcode) {
             Opcode::MOVE => Opcode::MOVE,
@@ -334,23 +324,26 @@ impl Host {
         }
     }
 
-    fn end_operation(&mut self, outcome: Outcome) {
-        self.operation.set_stage(FREE);
-        self.operation_outcome = outcome as c_uchar;
-        self.tell |= TELL_ENDED;
-        self.send &= !SEND_OPERATION;
+    fn last_report(&self) -> Option<Report> {
+        (self.has_report != 0).then_some(self.report)
     }
 
-    fn end_cancel(&mut self, outcome: Outcome) {
-        self.cancel.set_stage(FREE);
-        self.cancel_outcome = outcome as c_uchar;
-        self.tell |= TELL_CANCEL_ENDED;
-        self.send &= !SEND_CANCEL;
-    }
-
-    fn end_status(&mut self, outcome: Outcome) {
-        self.status.set_stage(FREE);
-        self.status_outcome = outcome as c_uchar;
-        self.tell |= TELL_STATUS_ENDED;
+    fn next_event(&mut self) -> Option<Event> {
+        match self.notices.take_first() {
+            Some(Notice::Status) => return Some(Event::Status(self.report)),
+            Some(Notice::State) => return Some(Event::State(self.report)),
+            Some(Notice::GeneralError) => return Some(Event::GeneralError),
+            Some(Notice::Accepted) => return Some(Event::Accepted(self.operation_opcode())),
+            None => (),
+        }
+        let operation = self.operation_opcode();
+        for (request, opcode) in
+            [(&mut self.status, Opcode::STATUS), (&mut self.cancel, Opcode::CANCEL), (&mut self.operation, operation)]
+        {
+            if let Some(outcome) = request.take_outcome() {
+                return Some(Event::Ended(opcode, outcome));
+            }
+        }
+        None
     }
 }

@@ -21,10 +21,11 @@
 pub mod controller;
 mod frame;
 pub mod host;
+mod message;
 mod opcode;
-mod payload;
 mod position;
 mod receiver;
+mod report;
 mod ring;
 mod search;
 mod shortcut;
@@ -34,10 +35,11 @@ mod text;
 pub use frame::{
     FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Fault, Frame, NoFrame, Pieces, Place, Verdict, encode, judge,
 };
+pub use message::{Message, PAYLOAD_MAX};
 pub use opcode::Opcode;
-pub use payload::{Layout, Message, PAYLOAD_MAX, Report, State};
 pub use position::{POSITION_SIZE, Position};
 pub use receiver::{Full, Observer, Receiver, receiver_room};
+pub use report::{Layout, Report, State};
 pub use ring::{FRAME_MAX, Overflow, Ring, RingByte, RingFrame};
 pub use shortcut::{Glance, Proof};
 pub use text::{TEXT_MAX, describe};

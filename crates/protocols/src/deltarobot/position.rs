@@ -1,6 +1,6 @@
 //! A position of the platform: the displacements of its three arms.
 
-use core::ffi::c_uchar;
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// Bytes of a position on the wire.
 pub const POSITION_SIZE: usize = 12;
@@ -9,7 +9,7 @@ pub const POSITION_SIZE: usize = 12;
 ///
 /// Bits and not floats: a position nobody knows travels as a signalling NaN, 0x7F800001, and a processor may turn that
 /// into another NaN when it only loads it. Nothing here needs floating-point arithmetic, which small controllers lack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Position(pub [u32; 3]);
 
 impl Position {
@@ -19,7 +19,7 @@ impl Position {
     /// The position that 12 bytes from the wire stand for.
     #[inline]
     #[must_use]
-    pub const fn from_wire(bytes: &[c_uchar; POSITION_SIZE]) -> Self {
+    pub const fn from_wire(bytes: &[u8; POSITION_SIZE]) -> Self {
         let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes;
         Self([
             u32::from_le_bytes([a0, a1, a2, a3]),
@@ -28,10 +28,16 @@ impl Position {
         ])
     }
 
+    /// The position at the beginning of these bytes from the wire, if there are enough.
+    #[inline]
+    pub(super) fn read(bytes: &[u8]) -> Option<Self> {
+        bytes.first_chunk().map(Self::from_wire)
+    }
+
     /// The bytes for the wire.
     #[inline]
     #[must_use]
-    pub const fn to_wire(self) -> [c_uchar; POSITION_SIZE] {
+    pub const fn to_wire(self) -> [u8; POSITION_SIZE] {
         let [a, b, c] = self.0;
         let ([a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]) =
             (a.to_le_bytes(), b.to_le_bytes(), c.to_le_bytes());

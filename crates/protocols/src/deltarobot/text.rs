@@ -1,7 +1,5 @@
 //! Messages as text for logs, worded as the original's host program does.
 
-use core::ffi::CStr;
-
 use super::{Layout, Message, Opcode, Position, Report, State};
 use crate::decimal::write_float;
 
@@ -11,19 +9,26 @@ pub const TEXT_MAX: usize = 96;
 impl Opcode {
     /// The name in logs; `UNKNOWN_OPCODE` for what the specification does not know.
     #[must_use]
-    pub const fn name(self) -> &'static CStr {
+    pub fn name(self) -> &'static str {
+        let name = self.terminated_name();
+        name.get(..name.len().wrapping_sub(1)).unwrap_or_default()
+    }
+
+    /// The name and a zero byte behind it, for those who hand it to C.
+    #[must_use]
+    pub const fn terminated_name(self) -> &'static str {
         match self {
-            Self::ACK => c"ACK",
-            Self::NACK => c"NACK",
-            Self::HOMING => c"HOMING!",
-            Self::STATUS => c"STATUS?",
-            Self::MOVE => c"MOVE!",
-            Self::CANCEL => c"CANCEL!",
-            Self::HOMING_REPL => c"HOMING_REPLY",
-            Self::STATUS_REPL => c"STATUS_REPLY",
-            Self::MOVE_REPL => c"MOVE_REPLY",
-            Self::GENERAL_ERR => c"GENERAL_ERROR",
-            _ => c"UNKNOWN_OPCODE",
+            Self::ACK => "ACK\0",
+            Self::NACK => "NACK\0",
+            Self::HOMING => "HOMING!\0",
+            Self::STATUS => "STATUS?\0",
+            Self::MOVE => "MOVE!\0",
+            Self::CANCEL => "CANCEL!\0",
+            Self::HOMING_REPL => "HOMING_REPLY\0",
+            Self::STATUS_REPL => "STATUS_REPLY\0",
+            Self::MOVE_REPL => "MOVE_REPLY\0",
+            Self::GENERAL_ERR => "GENERAL_ERROR\0",
+            _ => "UNKNOWN_OPCODE\0",
         }
     }
 }
@@ -31,12 +36,12 @@ impl Opcode {
 impl State {
     /// The name in logs.
     #[must_use]
-    pub const fn name(self) -> &'static CStr {
+    pub const fn name(self) -> &'static str {
         match self {
-            Self::Idle => c"IDLE",
-            Self::Homing => c"HOMING",
-            Self::Moving => c"MOVING",
-            Self::Error => c"ERROR",
+            Self::Idle => "IDLE",
+            Self::Homing => "HOMING",
+            Self::Moving => "MOVING",
+            Self::Error => "ERROR",
         }
     }
 }
@@ -45,11 +50,11 @@ impl State {
 ///
 /// A status report is read by [`Layout::Auto`]. A payload of the wrong length is not shown, only the opcode's name.
 pub fn describe(opcode: Opcode, payload: &[u8], put: &mut dyn FnMut(u8)) {
-    write_name(opcode.name(), put);
+    write_text(opcode.name(), put);
     match Message::read(opcode, payload, Layout::Auto) {
         Some(Message::Ack(answered)) => {
-            write_bytes(b": (", put);
-            write_name(answered.name(), put);
+            write_text(": (", put);
+            write_text(answered.name(), put);
             put(b')');
         }
         Some(Message::Move(position)) => {
@@ -62,12 +67,12 @@ pub fn describe(opcode: Opcode, payload: &[u8], put: &mut dyn FnMut(u8)) {
 }
 
 fn write_report(report: &Report, put: &mut dyn FnMut(u8)) {
-    write_bytes(b": ", put);
-    write_name(report.state().name(), put);
+    write_text(": ", put);
+    write_text(report.state().name(), put);
     write_position(report.position, put);
     for (bit, arm) in [(1 << 2, b'A'), (1 << 3, b'B'), (1 << 4, b'C')] {
         if report.stat() & bit != 0 {
-            write_bytes(b" STP_", put);
+            write_text(" STP_", put);
             put(arm);
         }
     }
@@ -75,20 +80,16 @@ fn write_report(report: &Report, put: &mut dyn FnMut(u8)) {
 
 fn write_position(position: Position, put: &mut dyn FnMut(u8)) {
     for (bits, arm) in position.0.into_iter().zip(*b"ABC") {
-        write_bytes(b"  D", put);
+        write_text("  D", put);
         put(arm);
         put(b'=');
         write_float(bits, put);
     }
 }
 
-fn write_name(name: &CStr, put: &mut dyn FnMut(u8)) {
-    write_bytes(name.to_bytes(), put);
-}
-
-fn write_bytes(bytes: &[u8], put: &mut dyn FnMut(u8)) {
-    for byte in bytes {
-        put(*byte);
+fn write_text(text: &str, put: &mut dyn FnMut(u8)) {
+    for byte in text.bytes() {
+        put(byte);
     }
 }
 

@@ -1,135 +1,68 @@
-//! What comes in: bytes, the frames among them, and what is wrong with the rest.
+//! The receiving side: bytes, and the frames among them.
 
-use core::ffi::{c_uchar, c_ulong};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::health::Health;
-use crate::clock::{left, stamp};
-use crate::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
-use crate::counter::count;
-use crate::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Message, Opcode, PAYLOAD_MAX, Place, Ring};
+use super::settings::Health;
+use crate::deltarobot::{Frame, Receiver};
+use crate::session::{count, left};
 
-/// The receiving side of a host session. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Link {
-    ring: Ring,
+/// The receiving side of a host session.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Link<const ROOM: usize> {
     /// When the last bytes came.
-    arrived_at: c_ulong,
-    /// Looking for frames with a wrong checksum: how many bytes of a head or tail are there (0 to 4), how many of the
-    /// payload are missing, and the sum so far.
-    place: c_uchar,
-    missing: c_uchar,
-    sum: c_uchar,
+    arrived_at: u32,
+    receiver: Receiver<ROOM>,
+    /// Not 0: not all bytes were taken.
+    has_more: u8,
 }
 
-impl Link {
+impl<const ROOM: usize> Link<ROOM> {
     pub(super) const fn new() -> Self {
-        Self { ring: Ring::new(), arrived_at: 0, place: 0, missing: 0, sum: 0 }
+        Self { arrived_at: 0, receiver: Receiver::new(), has_more: 0 }
     }
 
     /// Takes as many bytes as there is room for.
-    pub(super) fn receive(&mut self, input: &[u8], now: u32, health: &mut Health) -> usize {
-        let taken = input.get(..self.ring.room()).unwrap_or(input);
-        if taken.len() < input.len() {
-            count(&mut health.overflows);
+    pub(super) fn receive(&mut self, input: &[u8], now: u32) -> usize {
+        let taken = self.receiver.take(input);
+        if taken != 0 {
+            self.arrived_at = now;
         }
-        if !taken.is_empty() {
-            self.arrived_at = stamp(now);
-        }
-        for byte in taken {
-            self.watch(*byte, health);
-        }
-        // Can't overflow: there is room for them.
-        let _ = self.ring.append(taken);
-        taken.len()
+        self.has_more = u8::from(taken < input.len());
+        taken
     }
 
-    /// Takes out the next frame: its opcode and the length of its payload, which is copied to `data` as far as that
-    /// goes, and its beginning to `head`. (It is not returned as a message, since moving one of these is a call of
-    /// memcpy.)
-    pub(super) fn next<P: Place>(
-        &mut self,
-        now: u32,
-        gap: u32,
-        head: &mut [u8; PAYLOAD_MAX],
-        data: &mut [P],
-        health: &mut Health,
-    ) -> Option<(Opcode, usize)> {
-        let before = self.used();
-        if before == 0 {
-            return None;
-        }
-        let quiet = left(now, self.arrived_at, gap) == 0;
-        let frame = if quiet { self.ring.next_frame_idle() } else { self.ring.next_frame() };
-        let received = frame.ok().map(|frame| {
-            frame.payload.copy_to(data);
-            Message::head(&frame, head);
-            (frame.opcode, frame.payload.len())
-        });
-        let mut gone = before.wrapping_sub(self.used());
-        if let Some((_, length)) = received {
-            count(&mut health.frames);
-            gone = gone.wrapping_sub(length.wrapping_add(FRAME_OVERHEAD));
-        }
-        // A ring's size fits an int.
-        health.garbage_bytes = health.garbage_bytes.wrapping_add(c_ulong::try_from(gone).unwrap_or_default());
-        received
+    /// Fetches the next frame.
+    pub(super) fn next(&mut self, now: u32, gap: u32, health: &mut Health) -> Option<Frame<'_>> {
+        let is_quiet = self.has_more == 0 && left(now, self.arrived_at, gap) == 0;
+        let frame = if is_quiet { self.receiver.next_idle(health) } else { self.receiver.next_observed(health) };
+        let frame = frame.ok()?;
+        count(&mut health.frames);
+        Some(frame)
+    }
+
+    /// Whether bytes that were received wait to be taken; after that, it is for the caller to take care of them.
+    pub(super) const fn take_has_more(&mut self) -> bool {
+        core::mem::replace(&mut self.has_more, 0) != 0
     }
 
     /// How long until what is incomplete can be given up; `None` when there is nothing.
     pub(super) fn gap_left(&self, now: u32, gap: u32) -> Option<u32> {
-        (self.used() != 0).then(|| left(now, self.arrived_at, gap))
-    }
-
-    fn used(&self) -> usize {
-        DP_BUFSIZE.wrapping_sub(self.ring.room())
-    }
-
-    /// Counts frames that are whole but for their checksum. The ring does not tell them from other garbage. This look
-    /// goes over the bytes once and does not turn back, so it misses frames inside of false ones.
-    fn watch(&mut self, byte: u8, health: &mut Health) {
-        let next = match (self.place, byte) {
-            (1, _) if Opcode(byte).is_known() => 2,
-            (2, _) if usize::from(byte) <= DP_DATA_MAX_SIZE => {
-                self.missing = byte;
-                3
-            }
-            (3, _) if self.missing > 0 => {
-                self.missing = self.missing.wrapping_sub(1);
-                3
-            }
-            (3, _) => {
-                // From here on, the sum is what the checksum is off by.
-                self.sum = self.sum.wrapping_add(FRAME_END).wrapping_sub(byte);
-                self.place = 4;
-                return;
-            }
-            (4, FRAME_END) => {
-                if self.sum != 0 {
-                    count(&mut health.checksum_failures);
-                }
-                0
-            }
-            (_, FRAME_START) => {
-                self.sum = 0;
-                1
-            }
-            _ => 0,
-        };
-        self.place = next;
-        self.sum = self.sum.wrapping_add(byte);
+        (!self.receiver.is_empty()).then(|| left(now, self.arrived_at, gap))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Health, Link, Opcode};
+    use super::{Health, Link};
+    use crate::deltarobot::receiver_room;
 
-    fn feed(link: &mut Link, health: &mut Health, bytes: &[u8]) -> std::vec::Vec<u8> {
-        assert_eq!(link.receive(bytes, 0, health), bytes.len());
-        let mut opcodes = std::vec::Vec::new();
-        while let Some((opcode, _)) = link.next(0, 50, &mut [0; 16], &mut [0; 0], health) {
-            opcodes.push(opcode.0);
+    fn feed(link: &mut Link<{ receiver_room(12) }>, health: &mut Health, bytes: &[u8]) -> std::vec::Vec<u8> {
+        let (mut opcodes, mut rest) = (std::vec::Vec::new(), bytes);
+        while !rest.is_empty() {
+            let taken = link.receive(rest, 0);
+            rest = &rest[taken..];
+            assert_eq!(link.has_more != 0, !rest.is_empty());
+            opcodes.extend(core::iter::from_fn(|| link.next(0, 50, health).map(|frame| frame.opcode.0)));
         }
         opcodes
     }
@@ -157,9 +90,11 @@ mod tests {
         let (mut link, mut health) = (Link::new(), Health::new());
         assert_eq!(feed(&mut link, &mut health, b"$M\x0C$S\0\xB1:"), b"");
         assert_eq!(link.gap_left(20, 50), Some(30));
-        assert!(link.next(49, 50, &mut [0; 16], &mut [0; 0], &mut health).is_none());
-        let received = link.next(50, 50, &mut [0; 16], &mut [0; 0], &mut health);
-        assert_eq!((received, health.garbage_bytes), (Some((Opcode::STATUS, 0)), 3));
-        assert_eq!(link.gap_left(50, 50), None);
+        assert!(link.next(49, 50, &mut health).is_none());
+        link.has_more = 1;
+        assert!(link.next(50, 50, &mut health).is_none());
+        assert!(link.take_has_more() && !link.take_has_more());
+        assert_eq!(link.next(50, 50, &mut health).map(|frame| frame.opcode.0), Some(b'S'));
+        assert_eq!((health.garbage_bytes, link.gap_left(50, 50)), (3, None));
     }
 }

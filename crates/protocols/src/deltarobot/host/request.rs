@@ -1,152 +1,246 @@
 //! A request on its way: what every kind of request has in common.
 
-use core::ffi::{c_uchar, c_ulong};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::health::Health;
-use crate::clock::{left, stamp, time};
+use super::Busy;
+use super::settings::Health;
+use crate::session::{Flags, Transmission, flags, left};
 
-/// One request at a time of each kind. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Request {
-    /// When it was sent last.
-    sent_at: c_ulong,
+/// One request at a time of each kind.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Request {
+    transmission: Transmission,
     /// When its predecessor, of which answers may still come, was sent last.
-    before_at: c_ulong,
-    /// How far it is; 0 when there is none.
-    stage: c_uchar,
-    /// How often it was sent, as far as that counts.
-    sent: c_uchar,
-    /// Not 0: it was sent at all.
-    used: c_uchar,
-    /// Not 0: answers to the predecessor may still come.
-    loose: c_uchar,
-    /// Not 0: it was accepted by an ack.
-    accepted: c_uchar,
+    previous_at: u32,
+    marks: Flags<Mark>,
+    stage: u8,
+    outcome: u8,
 }
 
-/// There is no request.
-pub(super) const FREE: u8 = 0;
-/// It waits for its turn.
-pub(super) const QUEUED: u8 = 1;
-/// It was sent and waits for the answer.
-pub(super) const SENT: u8 = 2;
-/// It was refused, but only after a repeat: the first may have been accepted, and the second refused because of that.
-pub(super) const DOUBTED: u8 = 3;
-/// It was accepted.
-pub(super) const ACCEPTED: u8 = 4;
+/// How far a request is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// There is none.
+    Free = 0,
+    /// It waits for its turn.
+    Queued = 1,
+    /// It was sent and waits for the answer.
+    Sent = 2,
+    /// It was refused, but only after a retransmission: the first may have been accepted, and the second refused
+    /// because of that.
+    NackAfterRetry = 3,
+    /// It was accepted.
+    Accepted = 4,
+    /// Its outcome is to be fetched.
+    Ended = 5,
+}
+
+flags! {
+    enum Mark {
+        /// It was sent at all.
+        Used,
+        /// It was accepted by an ack.
+        Acked,
+        /// Answers to the predecessor may still come.
+        PreviousInFlight,
+        /// It is to be fetched by [`Host::output`](super::Host::output).
+        ToSend,
+    }
+}
+
+/// How a request ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was carried out.
+    Finished = 1,
+    /// The controller did not accept it.
+    Refused = 2,
+    /// The controller accepted it, and could not carry it out.
+    Failed = 3,
+    /// The operation was cancelled: before it was ever sent, or the platform stands now.
+    Cancelled = 4,
+    /// Nothing is known.
+    TimedOut = 5,
+}
 
 impl Request {
     pub(super) const fn new() -> Self {
-        Self { sent_at: 0, before_at: 0, stage: FREE, sent: 0, used: 0, loose: 0, accepted: 0 }
+        Self { transmission: Transmission::new(), previous_at: 0, marks: Flags::new(), stage: 0, outcome: 0 }
     }
 
-    pub(super) const fn stage(&self) -> u8 {
+    pub(super) const fn stage(&self) -> Stage {
         match self.stage {
-            stage @ QUEUED..=ACCEPTED => stage,
-            _ => FREE,
+            1 => Stage::Queued,
+            2 => Stage::Sent,
+            3 => Stage::NackAfterRetry,
+            4 => Stage::Accepted,
+            5 => Stage::Ended,
+            _ => Stage::Free,
         }
     }
 
-    pub(super) const fn is_free(&self) -> bool {
-        self.stage() == FREE
+    pub(super) const fn is_going_on(&self) -> bool {
+        !matches!(self.stage(), Stage::Free | Stage::Ended)
     }
 
-    /// A new request. Of the old one no answer can come any more if it was sent once and accepted: when such an
-    /// operation ends, its ack is long gone by. Unless the line `doubles` frames: then the request may have been
+    /// It was sent, and not accepted yet.
+    pub(super) const fn is_unanswered(&self) -> bool {
+        matches!(self.stage(), Stage::Sent | Stage::NackAfterRetry)
+    }
+
+    /// Begins a new request. Of the old one no answer can come any more if it was sent once and accepted: when such an
+    /// operation ends, its ack is long gone by. Unless the line `duplicates` frames: then the request may have been
     /// carried out twice.
-    pub(super) fn queue(&mut self, doubles: bool) {
-        if self.used != 0 {
-            self.loose = u8::from(doubles || self.sent > 1 || self.accepted == 0);
-            self.before_at = self.sent_at;
+    pub(super) fn queue(&mut self, duplicates: bool) -> Result<(), Busy> {
+        if self.stage() != Stage::Free {
+            return Err(Busy);
         }
-        self.stage = QUEUED;
-        self.sent = 0;
-        self.used = 0;
-        self.accepted = 0;
+        if self.marks.has(Mark::Used) {
+            let in_flight = duplicates || self.sent() > 1 || !self.marks.has(Mark::Acked);
+            self.marks.set_to(Mark::PreviousInFlight, in_flight);
+            self.previous_at = self.transmission.sent_at();
+        }
+        self.transmission.restart();
+        self.marks.clear(Mark::Used);
+        self.marks.clear(Mark::Acked);
+        self.stage = Stage::Queued as u8;
+        Ok(())
     }
 
     /// Something that was sent behind it was answered, so it was received, or is lost.
     pub(super) fn overtake(&mut self) {
-        self.stage = ACCEPTED;
-        self.sent = self.sent.min(1);
-        self.accepted = 1;
+        self.stage = Stage::Accepted as u8;
+        self.marks.set(Mark::Acked);
+        self.transmission.restart();
     }
 
-    /// Sends it for the first time or again.
+    /// Has it sent for the first time or again.
     pub(super) fn send(&mut self, now: u32) {
-        self.send_uncounted(now);
-        self.sent = self.sent.saturating_add(1);
+        self.transmission.send(now);
+        self.sends();
     }
 
-    /// Sends it without counting that, since an answer would not be believed anyway.
+    /// Has it sent without counting that, since an answer would not be believed anyway.
     pub(super) fn send_uncounted(&mut self, now: u32) {
-        self.sent_at = stamp(now);
-        self.used = 1;
-        self.stage = SENT;
+        self.transmission.delay(now);
+        self.sends();
     }
 
-    /// It left only now.
-    pub(super) fn put_out(&mut self, now: u32) {
-        self.sent_at = stamp(now);
+    fn sends(&mut self) {
+        self.marks.set(Mark::Used);
+        self.stage = Stage::Sent as u8;
+        self.ask();
+    }
+
+    /// Has its frame sent, whether or not there is such a request.
+    pub(super) fn ask(&mut self) {
+        self.marks.set(Mark::ToSend);
+    }
+
+    pub(super) fn withhold(&mut self) {
+        self.marks.clear(Mark::ToSend);
+    }
+
+    pub(super) fn is_to_send(&self) -> bool {
+        self.marks.has(Mark::ToSend)
+    }
+
+    /// Its frame was fetched for sending.
+    pub(super) fn leaves(&mut self, now: u32) {
+        self.withhold();
+        self.transmission.delay(now);
     }
 
     pub(super) const fn sent(&self) -> u8 {
-        self.sent
+        self.transmission.sent()
     }
 
-    /// It was answered, which takes it to that stage. Only of a request that was sent once it is known which sending
-    /// was answered.
-    pub(super) fn answer(&mut self, stage: u8, now: u32, health: &mut Health) {
-        if self.sent == 1 && self.loose == 0 {
-            health.round_trip(now.wrapping_sub(time(self.sent_at)));
+    /// It was answered, and accepted or refused by that.
+    pub(super) fn answer(&mut self, accepted: bool, now: u32, health: &mut Health) {
+        if self.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
+            health.round_trips.add(self.transmission.elapsed(now));
         }
-        self.accepted = u8::from(stage == ACCEPTED);
-        self.stage = stage;
+        self.marks.set_to(Mark::Acked, accepted);
     }
 
-    pub(super) fn set_stage(&mut self, stage: u8) {
-        self.stage = stage;
+    pub(super) const fn set_stage(&mut self, stage: Stage) {
+        self.stage = stage as u8;
     }
 
-    /// How much of `span` is left since it was sent last.
-    pub(super) const fn left(&self, now: u32, span: u32) -> u32 {
-        left(now, self.sent_at, span)
+    /// It has ended.
+    pub(super) fn end(&mut self, outcome: Outcome) {
+        self.stage = Stage::Ended as u8;
+        self.outcome = outcome as u8;
+        self.withhold();
+    }
+
+    /// How it ended, when that was not fetched before.
+    pub(super) fn take_outcome(&mut self) -> Option<Outcome> {
+        if self.stage() != Stage::Ended {
+            return None;
+        }
+        self.stage = Stage::Free as u8;
+        Some(match self.outcome {
+            1 => Outcome::Finished,
+            2 => Outcome::Refused,
+            3 => Outcome::Failed,
+            4 => Outcome::Cancelled,
+            _ => Outcome::TimedOut,
+        })
+    }
+
+    /// How much of `timeout` is left since it was sent last.
+    pub(super) const fn left(&self, now: u32, timeout: u32) -> u32 {
+        self.transmission.left(now, timeout)
     }
 
     /// How long answers to the predecessor may still come.
-    pub(super) const fn loose_left(&self, now: u32, guard: u32) -> u32 {
-        if self.loose == 0 { 0 } else { left(now, self.before_at, guard) }
+    pub(super) fn previous_left(&self, now: u32, guard: u32) -> u32 {
+        if self.marks.has(Mark::PreviousInFlight) { left(now, self.previous_at, guard) } else { 0 }
     }
 
-    /// Whether a repeat may still be on its way, or its answer.
-    pub(super) const fn in_flight(&self, now: u32, guard: u32) -> bool {
-        self.sent > 1 && self.left(now, guard) > 0
+    /// Whether a retransmission may still be on its way, or its answer.
+    pub(super) const fn is_retry_in_flight(&self, now: u32, guard: u32) -> bool {
+        self.sent() > 1 && self.left(now, guard) > 0
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ACCEPTED, Health, Request};
+    use super::{Health, Outcome, Request, Stage};
 
     #[test]
     fn answers_to_a_request_may_still_come_unless_it_was_sent_once_and_accepted() {
-        let loose = |sent: u32, accepted: bool, doubles: bool| {
+        let in_flight = |sent: u32, accepted: bool, duplicates: bool| {
             let (mut request, mut health) = (Request::new(), Health::new());
-            request.queue(false);
+            request.queue(false).unwrap();
             (0..sent).for_each(|time| request.send(time));
             if accepted {
-                request.answer(ACCEPTED, 10, &mut health);
+                request.answer(true, 10, &mut health);
             }
-            request.queue(doubles);
             // A request that is never sent does not change that.
-            request.queue(doubles);
-            request.loose_left(100, 500) > 0
+            for _ in 0..2 {
+                request.end(Outcome::Finished);
+                assert_eq!((request.take_outcome(), request.take_outcome()), (Some(Outcome::Finished), None));
+                request.queue(duplicates).unwrap();
+            }
+            request.previous_left(100, 500) > 0
         };
-        assert!(!loose(0, false, true));
-        assert!(!loose(1, true, false));
-        assert!(loose(1, true, true));
-        assert!(loose(1, false, false));
-        assert!(loose(2, true, false));
+        assert!(!in_flight(0, false, true));
+        assert!(!in_flight(1, true, false));
+        assert!(in_flight(1, true, true));
+        assert!(in_flight(1, false, false));
+        assert!(in_flight(2, true, false));
+    }
+
+    #[test]
+    fn a_stage_is_read_as_it_was_stored_and_none_as_free() {
+        let mut request = Request::new();
+        for stage in [Stage::Queued, Stage::Sent, Stage::NackAfterRetry, Stage::Accepted, Stage::Ended, Stage::Free] {
+            request.set_stage(stage);
+            assert_eq!(request.stage(), stage);
+        }
+        request.stage = 6;
+        assert_eq!(request.stage(), Stage::Free);
     }
 }

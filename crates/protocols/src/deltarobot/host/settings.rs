@@ -1,42 +1,42 @@
-//! What a host session can be told to do differently.
+//! What a host session can be asked to do differently, and its statistics.
 
-use core::ffi::{c_int, c_ulong};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::clock::span;
+use crate::deltarobot::Observer;
+use crate::session::{RoundTrips, count, span, times};
 
-/// Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times of more than
-/// 2147483647 ms (24 days) for that.
-#[derive(Clone, Debug, Default)]
-#[repr(C)]
+/// Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times are at most
+/// 2147483647 ms (24 days).
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Settings {
-    /// How long an answer is waited for before the request is repeated; by default 250.
-    pub ack_ms: c_ulong,
+    /// How long an answer is waited for before the request is retransmitted; by default 250.
+    pub ack_ms: u32,
     /// The longest time from sending a request to its answer's arrival, however late: what has not come by then is
     /// lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
-    pub guard_ms: c_ulong,
+    pub guard_ms: u32,
     /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
     /// other state before it, does not end the operation. Not below guard; by default 500.
-    pub settle_ms: c_ulong,
+    pub settle_ms: u32,
     /// During an operation the status is requested when no report came for this long; by default 200.
-    pub poll_ms: c_ulong,
+    pub poll_ms: u32,
     /// An operation is given up when nothing at all was received for this long; by default 3000.
-    pub silence_ms: c_ulong,
+    pub silence_ms: u32,
     /// An operation is given up after this long in any case; by default 120000.
-    pub operation_ms: c_ulong,
+    pub operation_ms: u32,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
-    pub gap_ms: c_ulong,
+    pub gap_ms: u32,
     /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
     /// displacement; by default 0.25, twice what shipped firmware allows itself.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
-    pub attempts: c_int,
-    /// Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
-    pub layout: c_int,
+    pub attempts: i16,
+    /// Layout of status reports: a [`Layout`](crate::deltarobot::Layout) as a number.
+    pub layout: u8,
     /// Not 0: each received message is an event.
-    pub messages: c_int,
+    pub messages: u8,
     /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
     /// waits until the guard time of the last one is over, even when that ended well before.
-    pub doubles: c_int,
+    pub duplicates: u8,
 }
 
 impl Settings {
@@ -55,7 +55,7 @@ impl Settings {
             attempts: 0,
             layout: 0,
             messages: 0,
-            doubles: 0,
+            duplicates: 0,
         }
     }
 
@@ -97,26 +97,66 @@ impl Settings {
     }
 
     pub(super) fn attempts(&self) -> u8 {
-        match u8::try_from(self.attempts) {
-            Ok(0) => 4,
-            Ok(attempts) => attempts,
-            Err(_) if self.attempts < 0 => 1,
-            Err(_) => u8::MAX,
+        times(self.attempts, 4, 1)
+    }
+}
+
+/// Statistics of a host session since it began. Counters wrap at 2^32.
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+pub struct Health {
+    /// Intact frames received.
+    pub frames: u32,
+    /// Of these, frames whose payload has the wrong length for the opcode. They are ignored.
+    pub malformed: u32,
+    /// Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
+    pub strays: u32,
+    /// Bytes received that belong to no intact frame.
+    pub garbage_bytes: u32,
+    /// Frames that were whole but for their checksum. Their bytes are among the garbage.
+    pub checksum_failures: u32,
+    /// Answers that did not come in time.
+    pub timeouts: u32,
+    /// Requests that were retransmitted because of that.
+    pub retransmissions: u32,
+    /// From a request that was sent once to its answer.
+    pub round_trips: RoundTrips,
+}
+
+impl Health {
+    pub(super) const fn new() -> Self {
+        Self {
+            frames: 0,
+            malformed: 0,
+            strays: 0,
+            garbage_bytes: 0,
+            checksum_failures: 0,
+            timeouts: 0,
+            retransmissions: 0,
+            round_trips: RoundTrips::new(),
         }
+    }
+}
+
+impl Observer for Health {
+    fn skipped(&mut self, bytes: usize) {
+        self.garbage_bytes = self.garbage_bytes.wrapping_add(u32::try_from(bytes).unwrap_or_default());
+    }
+
+    fn bad_checksum(&mut self) {
+        count(&mut self.checksum_failures);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::Settings;
-    use core::ffi::c_ulong;
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut settings = Settings::new();
         assert_eq!((settings.ack(), settings.guard(), settings.settle()), (250, 500, 500));
         assert_eq!((settings.attempts(), settings.tolerance()), (4, 0.25_f32.to_bits()));
-        (settings.ack_ms, settings.guard_ms, settings.attempts) = (c_ulong::MAX, 900, 1000);
+        (settings.ack_ms, settings.guard_ms, settings.attempts) = (u32::MAX, 900, 1000);
         assert_eq!((settings.ack(), settings.guard(), settings.settle()), (0x7FFF_FFFF, 900, 900));
         assert_eq!(settings.attempts(), 255);
         settings.attempts = -1;
