@@ -1,13 +1,13 @@
-//! `ContouringProtocol.h`: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
-//! header that came with the proposal; libdeltarobot/gx.h has what that lacks.
+//! `ContouringProtocol.h`: the functions that came with the proposal, under their names ("Proposed GX Protocol",
+//! `ContouringProtocol.h` and `.c`).
+//!
+//! What they do otherwise than the code that was posted is said at each of them.
 
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};
 
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{
-    CommandReceiver, EncodeError, Format, Item, MASK_AXES, Message, Vector, write_move, write_step,
-};
+use deltarobot_protocols::gx::{CommandReceiver, EncodeError, Format, Kind, MASK_AXES, Vector, write_move, write_step};
 
 /// A value of 7 bits: one byte with the high bit set.
 pub type CPPacked7 = [u8; 1];
@@ -60,12 +60,6 @@ const _: () = {
     assert!(size_of::<CPVectorCommand>() == if align_of::<i32>() == 1 { 27 } else { 28 });
     assert!(size_of::<CPPackedVectorCommandBuffer>() == 29);
     assert!(offset_of!(CPPackedVectorCommandBuffer, bytes) == 1);
-    // The same struct by other names.
-    assert!(size_of::<CPVectorCommand>() == size_of::<Vector>());
-    assert!(align_of::<CPVectorCommand>() == align_of::<Vector>());
-    assert!(offset_of!(CPVectorCommand, targetVelocity) == offset_of!(Vector, velocity));
-    assert!(offset_of!(CPVectorCommand, axisMask) == offset_of!(Vector, mask));
-    assert!(offset_of!(CPVectorCommand, axisPosition) == offset_of!(Vector, axes));
 };
 
 /// Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at.
@@ -86,7 +80,7 @@ pub unsafe extern "C" fn PackCPVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     unsafe { pack(buffer, command, |vector, room| write_move(Format::Binary, None, vector, room)) }
 }
 
@@ -107,7 +101,7 @@ pub unsafe extern "C" fn UnpackCPVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     unsafe { unpack(buffer, command, false) }
 }
 
@@ -128,7 +122,7 @@ pub unsafe extern "C" fn PackCPShortVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     unsafe { pack(buffer, command, |vector, room| write_step(None, vector, room)) }
 }
 
@@ -152,27 +146,33 @@ pub unsafe extern "C" fn UnpackCPShortVectorCommand(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *mut CPVectorCommand,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     unsafe { unpack(buffer, command, true) }
+}
+
+impl CPVectorCommand {
+    const fn to_core(&self) -> Vector {
+        Vector { velocity: self.targetVelocity, mask: self.axisMask, axes: self.axisPosition }
+    }
 }
 
 /// Packs a command by a function of the core's.
 ///
 /// # Safety
 ///
-/// As for [`PackCPVectorCommand`].
+/// Each pointer is NULL or points to a whole object, buffer to a writable one, and they do not overlap.
 unsafe fn pack(
     buffer: *mut CPPackedVectorCommandBuffer,
     command: *const CPVectorCommand,
     write: impl FnOnce(&Vector, &mut [u8]) -> Result<usize, EncodeError>,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks; a vector is the same struct: asserted above.
-    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.cast::<Vector>().as_ref()) }) else {
+    // SAFETY: the same contract.
+    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.as_ref()) }) else {
         return CPResult_error;
     };
     buffer.length = 0;
     let Some(command) = command else { return CPResult_error };
-    match write(command, &mut buffer.bytes).map(u8::try_from) {
+    match write(&command.to_core(), &mut buffer.bytes).map(u8::try_from) {
         Ok(Ok(length)) => buffer.length = length,
         Err(EncodeError::Empty) => return CPResult_error,
         Ok(Err(_)) | Err(_) => return CPResult_range,
@@ -184,25 +184,28 @@ unsafe fn pack(
 ///
 /// # Safety
 ///
-/// As for [`UnpackCPVectorCommand`].
+/// Each pointer is NULL or points to a whole object, command to a writable one, and they do not overlap.
 unsafe fn unpack(buffer: *const CPPackedVectorCommandBuffer, command: *mut CPVectorCommand, is_step: bool) -> c_int {
-    // SAFETY: as the contract of this function asks; a vector is the same struct: asserted above.
-    let (Some(buffer), Some(command)) = (unsafe { (buffer.as_ref(), command.cast::<Vector>().as_mut()) }) else {
+    // SAFETY: the same contract.
+    let (Some(buffer), Some(command)) = (unsafe { (buffer.as_ref(), command.as_mut()) }) else {
         return CPResult_error;
     };
     let Some(bytes) = buffer.bytes.get(..buffer.length.into()) else { return CPResult_malformed };
-    let (mut receiver, mut item) = (CommandReceiver::new(), Item::new());
-    let start = if is_step { b'*' } else { b'!' };
-    if bytes.first() != Some(&start) || receiver.receive(bytes, &mut item) != bytes.len() {
+    let (start, kind) = if is_step { (b'*', Kind::Step) } else { (b'!', Kind::Move) };
+    let mut receiver = CommandReceiver::new();
+    if bytes.first() != Some(&start) || receiver.receive(bytes) != (bytes.len(), Some(kind)) {
         return CPResult_malformed;
     }
-    let Some(message @ (Message::Move(packed) | Message::Step(packed))) = item.message() else {
-        return CPResult_malformed;
-    };
+    let packed = receiver.vector();
     // The positions are set: that they are known is what the mask is to say.
-    let before = command.mask;
-    command.mask = MASK_AXES;
-    let followed = command.follow(&message);
-    command.mask = if followed.is_ok() { packed.mask } else { before };
-    if followed.is_ok() { CPResult_ok } else { CPResult_range }
+    let mut reached = Vector { mask: MASK_AXES, ..command.to_core() };
+    if reached.follow(packed, is_step).is_err() {
+        return CPResult_range;
+    }
+    command.targetVelocity = reached.velocity;
+    command.axisMask = packed.mask;
+    for (place, value) in command.axisPosition.iter_mut().zip(&reached.axes) {
+        *place = *value;
+    }
+    CPResult_ok
 }

@@ -1,13 +1,12 @@
-//! `libdeltarobot/gx.h`: commands and notices of the GX binary vector protocol.
+//! `gx.h`: commands and notices of the GX binary vector protocol (source: "Proposed GX Protocol").
 
-use core::ffi::{c_int, c_void};
-use core::mem::{align_of, offset_of, size_of};
+use core::ffi::{c_int, c_uchar, c_ulong, c_void};
+use core::mem::offset_of;
 
-use super::memory::{bytes_of, int, zero};
+use super::memory::{bytes_of, int, room_of};
+use super::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{
-    self, CommandReceiver, Contour, Fault, Format, Item, Lost, NoticeReceiver, NumberField, Vector,
-};
+use deltarobot_protocols::gx::{self, AXES, CommandReceiver, Fault, Format, Kind, Lost, NoticeReceiver, Receiver};
 
 pub mod contour;
 pub mod write;
@@ -81,6 +80,8 @@ pub const GX_FAULT_STOPPED: c_int = 20;
 /// Codes from here to 127 are the firmware's own.
 pub const GX_FAULT_OWN: c_int = 64;
 
+/// The axes: x, y, z, a, b, c.
+pub const GX_AXES: c_int = 6;
 /// The largest delta that is written, either way.
 pub const GX_DELTA_MAX: c_int = 63;
 /// The largest velocity, in steps per second.
@@ -92,22 +93,70 @@ pub const GX_PERIOD_MAX: c_int = 16383;
 /// Room that any one command or notice fits in, in bytes.
 pub const GX_ENCODED_MAX: c_int = 96;
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
+/// Axes and velocity: a target, the deltas of a step, or a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(C)]
+pub struct Vector {
+    /// Along the vector, in steps per second: 0 to 16383.
+    pub velocity: u16,
+    /// Which of the values mean something: bit i is `axes[i]`, bit 6 `velocity`.
+    pub mask: c_uchar,
+    /// x, y, z, a, b, c in steps: positions are -134217728 to 134217727.
+    pub axes: [i32; AXES],
+}
+
+/// The number of a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(C)]
+pub struct Number {
+    /// 0 to 16383.
+    pub value: u16,
+    /// How it is written: `GX_BINARY` or `GX_ASCII`; 0: there is none.
+    pub format: c_uchar,
+}
+
+/// What a receiver has found: a command, a notice, a malformed one, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(C)]
+pub struct Item {
+    /// What it is: `GX_NONE`, `GX_MOVE` ...
+    pub kind: c_int,
+    /// The number of the command; its format is 0 when it has none.
+    pub number: Number,
+    /// `GX_BINARY` or `GX_ASCII`: how the command or notice was written.
+    pub format: c_uchar,
+    /// Of `GX_MALFORMED`: `GX_FAULT_*`. Of `GX_REFUSED`: one of these, or the controller's own, 0 to 127.
+    pub code: c_uchar,
+    /// Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted.
+    pub period: u16,
+    /// Of `GX_MOVE` and `GX_POSITION`: positions. Of `GX_STEP`: deltas, to be added to the positions. Values that
+    /// its mask does not flag are 0.
+    pub vector: Vector,
+}
+
+const RECEIVER_WORDS: usize = 48 / size_of::<c_ulong>();
+
+/// Receives commands: the motion side's. All zero is a new one. Its contents are private.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Commands {
+    opaque: [c_ulong; RECEIVER_WORDS],
+}
+state!(Commands: CommandReceiver);
+
+/// Receives notices: the host's. All zero is a new one. Its contents are private.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Notices {
+    opaque: [c_ulong; RECEIVER_WORDS],
+}
+state!(Notices: NoticeReceiver);
+
+// The posted struct has the same layout by other names: see contouring_protocol.rs. C tests assert these offsets too.
 const _: () = {
     assert!(offset_of!(Vector, velocity) == 0 && offset_of!(Vector, mask) == 2);
     assert!(offset_of!(Vector, axes) == if align_of::<i32>() == 1 { 3 } else { 4 });
-    assert!(size_of::<NumberField>() == if align_of::<u16>() == 1 { 3 } else { 4 });
-    assert!(offset_of!(NumberField, format) == 2);
-    assert!(offset_of!(Item, kind) == 0 && offset_of!(Item, number) == size_of::<c_int>());
-    assert!(offset_of!(Item, code) == offset_of!(Item, format) + 1);
-    assert!(size_of::<CommandReceiver>() == size_of::<NoticeReceiver>());
-    if align_of::<i32>() == 4 && size_of::<c_int>() == 4 {
-        assert!(size_of::<Vector>() == 28 && size_of::<Contour>() == 56);
-        assert!(offset_of!(Item, format) == 8 && offset_of!(Item, period) == 10 && offset_of!(Item, vector) == 12);
-        assert!(size_of::<Item>() == 40 && size_of::<CommandReceiver>() == 40);
-    }
-    assert!(GX_ENCODED_MAX as usize == gx::ENCODED_MAX);
+    assert!(GX_AXES as usize == AXES && GX_ENCODED_MAX as usize == gx::ENCODED_MAX);
     assert!(GX_VELOCITY_MAX == gx::VELOCITY_MAX as c_int && GX_NUMBER_MAX == gx::NUMBER_MAX as c_int);
     assert!(GX_PERIOD_MAX == gx::PERIOD_MAX as c_int && GX_DELTA_MAX == gx::DELTA_MAX as c_int);
     assert!(GX_BINARY == Format::Binary as c_int && GX_ASCII == Format::Ascii as c_int);
@@ -115,11 +164,56 @@ const _: () = {
     assert!(GX_FAULT_INTERRUPTED == Fault::Interrupted as c_int && GX_FAULT_SYNTAX == Fault::Syntax as c_int);
     assert!(GX_FAULT_EMPTY == Fault::Empty as c_int && GX_FAULT_REPEATED == Fault::Repeated as c_int);
     assert!(GX_FAULT_RANGE == Fault::Range as c_int && GX_FAULT_LIMIT == Fault::Limit as c_int);
-    assert!(GX_FAULT_BUSY == Fault::Busy as c_int);
-    assert!(GX_MOVE == gx::MOVE && GX_STEP == gx::STEP && GX_REPORTING == gx::REPORTING);
-    assert!(GX_MALFORMED == gx::MALFORMED && GX_COMPLETED == gx::COMPLETED);
-    assert!(GX_REFUSED == gx::REFUSED && GX_POSITION == gx::POSITION);
+    assert!(GX_FAULT_BUSY == Fault::Busy as c_int && GX_FAULT_ORDER == Fault::Order as c_int);
+    assert!(GX_FAULT_CLOSED == Fault::Closed as c_int && GX_FAULT_NUMBERLESS == Fault::Numberless as c_int);
+    assert!(GX_FAULT_AXIS == Fault::Axis as c_int && GX_FAULT_STOPPED == Fault::Stopped as c_int);
+    assert!(GX_FAULT_OWN == gx::CODE_FREE as c_int);
+    assert!(GX_MOVE == Kind::Move as c_int && GX_STEP == Kind::Step as c_int);
+    assert!(GX_REPORTING == Kind::Reporting as c_int && GX_MALFORMED == Kind::Malformed as c_int);
+    assert!(GX_COMPLETED == Kind::Completed as c_int && GX_REFUSED == Kind::Refused as c_int);
+    assert!(GX_POSITION == Kind::Position as c_int);
 };
+
+impl Vector {
+    pub(super) fn to_core(&self) -> gx::Vector {
+        gx::Vector { velocity: self.velocity, mask: self.mask, axes: self.axes }
+    }
+
+    pub(super) fn set(&mut self, from: &gx::Vector) {
+        self.velocity = from.velocity;
+        self.mask = from.mask;
+        // Field by field, which never becomes a call of memcpy.
+        for (place, value) in self.axes.iter_mut().zip(&from.axes) {
+            *place = *value;
+        }
+    }
+}
+
+impl Item {
+    /// Takes over what a receiver has found. Whatever the receiver's memory held, no value is out of its range.
+    fn set<const NOTICES: bool>(&mut self, found: Option<Kind>, receiver: &Receiver<NOTICES>) {
+        let Some(kind) = found else {
+            self.kind = GX_NONE;
+            return;
+        };
+        let (number, vector) = (receiver.number(), receiver.vector());
+        self.kind = kind as c_int;
+        self.number.value = number.map_or(0, |number| number.value);
+        self.number.format = number.map_or(0, |number| number.format as c_uchar);
+        self.format = if kind == Kind::Completed { self.number.format } else { receiver.format() as c_uchar };
+        self.code = if matches!(kind, Kind::Malformed | Kind::Refused) { receiver.code() } else { 0 };
+        self.period = if kind == Kind::Reporting { receiver.period() & gx::PERIOD_MAX } else { 0 };
+        let has_vector = matches!(kind, Kind::Move | Kind::Step | Kind::Position);
+        self.vector.mask = if has_vector { vector.mask & (gx::MASK_AXES | gx::MASK_VELOCITY) } else { 0 };
+        let has_velocity = self.vector.mask & gx::MASK_VELOCITY != 0;
+        self.vector.velocity = if has_velocity { vector.velocity & gx::VELOCITY_MAX } else { 0 };
+        let mut flags = self.vector.mask;
+        for (place, value) in self.vector.axes.iter_mut().zip(&vector.axes) {
+            *place = if flags & 1 == 0 { 0 } else { value.wrapping_shl(4).wrapping_shr(4) };
+            flags >>= 1;
+        }
+    }
+}
 
 /// Makes a receiver of commands of any memory. Zeroed memory is one too.
 ///
@@ -130,15 +224,15 @@ const _: () = {
 /// gx_commands_init(&commands);
 /// ```
 #[export]
-pub unsafe extern "C" fn gx_commands_init(commands: *mut CommandReceiver) -> c_int {
-    // SAFETY: as the contract of this function asks; zero is a receiver.
-    unsafe { init(commands) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
+pub unsafe extern "C" fn gx_commands_init(commands: *mut Commands) -> c_int {
+    // SAFETY: commands is NULL or writable, as all pointers are.
+    unsafe { Room::init(commands) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
 }
 
-/// Takes received bytes up to the end of a command, and tells it in item; if none ends there, all of them, and item is
-/// `GX_NONE`. A malformed command is told as `GX_MALFORMED`, once, and with its number if that was complete.
+/// Takes received bytes up to the end of a command, which item receives; if none ends there, all of them, and item is
+/// `GX_NONE`. A malformed command is one `GX_MALFORMED`, with its number if that was complete.
 ///
-/// To be called as long as bytes are left. It may take none of them and tell that what came before is malformed.
+/// To be called as long as bytes are left. It may take none of them and report that what came before is malformed.
 ///
 /// Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
 /// bytes is negative.
@@ -152,20 +246,24 @@ pub unsafe extern "C" fn gx_commands_init(commands: *mut CommandReceiver) -> c_i
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_commands_receive(
-    commands: *mut CommandReceiver,
+    commands: *mut Commands,
     buf: *const c_void,
     bytes: c_int,
     item: *mut Item,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (commands.as_mut(), bytes_of(buf, bytes), item.as_mut()) } {
-        (Some(commands), Some(input), Some(item)) => int(commands.receive(input, item)),
+    // SAFETY: three objects that do not overlap, and bytes is buf's size.
+    match unsafe { (Room::get(commands), bytes_of(buf, bytes), item.as_mut()) } {
+        (Some(commands), Some(input), Some(item)) => {
+            let (taken, found) = commands.receive(input);
+            item.set(found, commands);
+            int(taken)
+        }
         _ => -GX_RC_ERROR_GENERIC,
     }
 }
 
 /// To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
-/// and told in item as `GX_MALFORMED`. Else item is `GX_NONE`.
+/// and item is `GX_MALFORMED`. Else item is `GX_NONE`.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
@@ -174,12 +272,12 @@ pub unsafe extern "C" fn gx_commands_receive(
 ///     handle_item(&item);
 /// ```
 #[export]
-pub unsafe extern "C" fn gx_commands_idle(commands: *mut CommandReceiver, item: *mut Item) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (commands.as_mut(), item.as_mut()) } {
-        (Some(commands), Some(item)) => commands.idle(item),
-        _ => return GX_RC_ERROR_GENERIC,
-    }
+pub unsafe extern "C" fn gx_commands_idle(commands: *mut Commands, item: *mut Item) -> c_int {
+    // SAFETY: two objects that do not overlap.
+    let (Some(commands), Some(item)) = (unsafe { (Room::get(commands), item.as_mut()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    item.set(commands.idle(), commands);
     GX_RC_SUCCESS
 }
 
@@ -192,14 +290,14 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut CommandReceiver, item: 
 /// gx_notices_init(&notices);
 /// ```
 #[export]
-pub unsafe extern "C" fn gx_notices_init(notices: *mut NoticeReceiver) -> c_int {
-    // SAFETY: as the contract of this function asks; zero is a receiver.
-    unsafe { init(notices) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
+pub unsafe extern "C" fn gx_notices_init(notices: *mut Notices) -> c_int {
+    // SAFETY: notices is NULL or writable, as all pointers are.
+    unsafe { Room::init(notices) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
 }
 
-/// Takes received bytes up to the end of a notice, and tells it in item: see `gx_commands_receive`.
+/// Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`.
 ///
-/// A packed number is a whole notice, but may be the beginning of an error notice too: it is told when the next byte
+/// A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next byte
 /// has come, or by `gx_notices_idle`.
 ///
 /// Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
@@ -214,20 +312,24 @@ pub unsafe extern "C" fn gx_notices_init(notices: *mut NoticeReceiver) -> c_int 
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_notices_receive(
-    notices: *mut NoticeReceiver,
+    notices: *mut Notices,
     buf: *const c_void,
     bytes: c_int,
     item: *mut Item,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (notices.as_mut(), bytes_of(buf, bytes), item.as_mut()) } {
-        (Some(notices), Some(input), Some(item)) => int(notices.receive(input, item)),
+    // SAFETY: three objects that do not overlap, and bytes is buf's size.
+    match unsafe { (Room::get(notices), bytes_of(buf, bytes), item.as_mut()) } {
+        (Some(notices), Some(input), Some(item)) => {
+            let (taken, found) = notices.receive(input);
+            item.set(found, notices);
+            int(taken)
+        }
         _ => -GX_RC_ERROR_GENERIC,
     }
 }
 
-/// To be called when the line has been quiet for longer than a notice takes: tells the completion that could have
-/// become an error notice; anything else that is incomplete is given up and told as `GX_MALFORMED`. Else item is
+/// To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
+/// become an error notice; anything else that is incomplete is given up, as `GX_MALFORMED`. Else item is
 /// `GX_NONE`.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -237,12 +339,12 @@ pub unsafe extern "C" fn gx_notices_receive(
 ///     handle_item(&item);
 /// ```
 #[export]
-pub unsafe extern "C" fn gx_notices_idle(notices: *mut NoticeReceiver, item: *mut Item) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (notices.as_mut(), item.as_mut()) } {
-        (Some(notices), Some(item)) => notices.idle(item),
-        _ => return GX_RC_ERROR_GENERIC,
-    }
+pub unsafe extern "C" fn gx_notices_idle(notices: *mut Notices, item: *mut Item) -> c_int {
+    // SAFETY: two objects that do not overlap.
+    let (Some(notices), Some(item)) = (unsafe { (Room::get(notices), item.as_mut()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    item.set(notices.idle(), notices);
     GX_RC_SUCCESS
 }
 
@@ -259,29 +361,48 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut NoticeReceiver, item: *mu
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: two objects that do not overlap.
     let (Some(position), Some(item)) = (unsafe { (position.as_mut(), item.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    match item.message().map(|message| position.follow(&message)) {
-        None | Some(Ok(())) => GX_RC_SUCCESS,
-        Some(Err(Lost::Range)) => GX_RC_RANGE,
-        Some(Err(Lost::Unknown)) => GX_RC_NOT_FOUND,
+    if !matches!(item.kind, GX_MOVE | GX_STEP | GX_POSITION) {
+        return GX_RC_SUCCESS;
     }
+    let mut reached = position.to_core();
+    match reached.follow(&item.vector.to_core(), item.kind == GX_STEP) {
+        Ok(()) => position.set(&reached),
+        Err(Lost::Range) => return GX_RC_RANGE,
+        Err(Lost::Unknown) => return GX_RC_NOT_FOUND,
+    }
+    GX_RC_SUCCESS
 }
 
-/// Makes any memory an object of a type of which all zero is one; `None` where there is no memory.
+/// Fills a buffer of C's with as many commands or notices as fit: `next` writes one and returns its length, 0 when there
+/// is none that fits. Returns how many bytes were written.
 ///
 /// # Safety
 ///
-/// out is NULL or points to writable memory of that type, which nobody else touches while the reference lives.
-pub(super) unsafe fn init<'a, T>(out: *mut T) -> Option<&'a mut T> {
-    if out.is_null() {
-        return None;
+/// buf is NULL or points to cap writable bytes, which nobody else touches meanwhile.
+pub(super) unsafe fn fill(buf: *mut c_void, cap: c_int, mut next: impl FnMut(&mut [u8]) -> usize) -> c_int {
+    // SAFETY: the same contract.
+    let Some(mut room) = (unsafe { room(buf, cap) }) else { return -GX_RC_ERROR_GENERIC };
+    let mut written = 0_usize;
+    loop {
+        let length = next(room);
+        if length == 0 {
+            return int(written);
+        }
+        written = written.wrapping_add(length);
+        room = room.get_mut(length..).unwrap_or_default();
     }
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        zero(out);
-        out.as_mut()
-    }
+}
+
+/// The room that a pointer and a size from C stand for, for the core to write to.
+///
+/// # Safety
+///
+/// As for [`fill`].
+unsafe fn room<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut [u8]> {
+    // SAFETY: the same contract; the core only writes to it, and returns how many bytes from its beginning.
+    unsafe { room_of(buf, cap).map(|room| &mut *(core::ptr::from_mut(room) as *mut [u8])) }
 }

@@ -1,57 +1,14 @@
-//! `libdeltarobot/gx_host.h`: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
-//! where something was lost, and tells how they ended.
-//!
-//! A session does no I/O. A loop around it:
-//!
-//! ```c
-//! struct gx_host_event event;
-//! char in[64], out[GX_ENCODED_MAX];
-//! int got = 0, taken = 0, length;
-//!
-//! gx_host_init(&host, NULL);
-//! for (;;) {
-//!     while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
-//!         handle_event(&event);
-//!     while (path_goes_on() && gx_host_move(&host, next_position(), 1 | 2, 500) == GX_RC_SUCCESS)
-//!         go_on();
-//!     while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
-//!         uart_write(&uart, out, length);
-//!     if (is_over())
-//!         break;
-//!     if (taken == got) {
-//!         wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
-//!         taken = 0;
-//!         got = uart_read(&uart, in, sizeof in);
-//!     }
-//!     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
-//! }
-//! ```
-//!
-//! It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
-//! sends them back none begins: moves end as timed out, and are not sent. (docs/gx-protocol.md tells how to drive such a
-//! one.)
-//!
-//! What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a
-//! move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
-//! not.
-//!
-//! What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
-//! or reset. Moves are reported as lost then. Without that setting, one that has begun anew takes what comes from any
-//! host: it carries out again what is sent again, and moves by deltas from where it believes to be.
-//!
-//! Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
-//! one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
+//! `gx_host.h`: the host's end of the GX protocol.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
-use core::mem::{align_of, offset_of, size_of};
 
-use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
-use super::memory::{bytes_of, fill, int, long};
-use crate::sizes::GX_WINDOW_MAX;
+use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
+use super::memory::{bytes_of, duration, int, long, short, time};
+use super::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::clock::time;
-use deltarobot_protocols::gx::host::{Event, Health, Host, Outcome, QueueError, Requested, Settings, Window};
-use deltarobot_protocols::gx::{AXES, MASK_AXES, PERIOD_MAX, Vector};
+use deltarobot_protocols::config::GX_WINDOW_MAX;
+use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
+use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
 
 /// Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
 /// in the order of the requests.
@@ -94,38 +51,64 @@ pub struct HostEvent {
     pub position: Vector,
 }
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const LONG: usize = size_of::<c_ulong>();
-    const VECTOR: usize = size_of::<Vector>();
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
-    assert!(offset_of!(Settings, answer_ms) == 0 && offset_of!(Settings, probe_ms) == LONG);
-    assert!(offset_of!(Settings, move_ms) == 2 * LONG && offset_of!(Settings, gap_ms) == 3 * LONG);
-    assert!(offset_of!(Settings, attempts) == 4 * LONG && offset_of!(Settings, window) == 4 * LONG + INT);
-    assert!(offset_of!(Settings, ascii) == 4 * LONG + 2 * INT);
-    assert!(offset_of!(Settings, first_number) == 4 * LONG + 3 * INT);
-    assert!(size_of::<Settings>() == up(4 * LONG + 4 * INT, align_of::<c_ulong>()));
-    assert!(offset_of!(Health, moves) == 0 && offset_of!(Health, repeats) == LONG);
-    assert!(offset_of!(Health, completions) == 2 * LONG && offset_of!(Health, errors) == 3 * LONG);
-    assert!(offset_of!(Health, strays) == 4 * LONG && offset_of!(Health, reports) == 5 * LONG);
-    assert!(offset_of!(Health, malformed) == 6 * LONG && offset_of!(Health, timeouts) == 7 * LONG);
-    assert!(offset_of!(Health, sessions) == 8 * LONG && size_of::<Health>() == 9 * LONG);
-    assert!(size_of::<Requested>() == VECTOR + 4);
-    assert!(size_of::<Window>() == up(GX_WINDOW_MAX * size_of::<Requested>() + VECTOR + 5, align_of::<i32>()));
-    assert!(offset_of!(HostEvent, kind) == 0 && offset_of!(HostEvent, outcome) == INT);
-    assert!(offset_of!(HostEvent, code) == 2 * INT && offset_of!(HostEvent, number) == 3 * INT);
-    assert!(
-        offset_of!(HostEvent, position) == 4 * INT
-            && size_of::<HostEvent>() == up(4 * INT + VECTOR, align_of::<c_int>())
-    );
-    if INT == 4 && LONG == 8 {
-        assert!(size_of::<Host>() == up(48 + 72 + size_of::<Window>() + VECTOR + 40, LONG) + up(6 * LONG + 15, LONG));
-    }
-};
+/// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Settings {
+    /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
+    pub answer_ms: c_ulong,
+    /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
+    pub probe_ms: c_ulong,
+    /// A session is given up when a move takes longer than this from its turn on; by default 120000.
+    pub move_ms: c_ulong,
+    /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
+    pub gap_ms: c_ulong,
+    /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
+    /// before it is given up; by default 8. Below 0: without end.
+    pub attempts: c_int,
+    /// Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
+    /// side queues are refused by it, and sent again.
+    pub window: c_int,
+    /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
+    pub ascii: c_int,
+    /// The number that the first session begins with, 0 to 16383.
+    pub first_number: c_int,
+}
+
+/// Counters of a host session since it began; they wrap.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Health {
+    /// Moves sent, each counted once.
+    pub moves: c_ulong,
+    /// Moves sent again.
+    pub repeats: c_ulong,
+    /// Notices that moves were carried out.
+    pub completions: c_ulong,
+    /// Error notices.
+    pub errors: c_ulong,
+    /// Notices of numbers that nothing unfinished has: late, or sent again.
+    pub strays: c_ulong,
+    /// Position reports.
+    pub reports: c_ulong,
+    /// Malformed notices.
+    pub malformed: c_ulong,
+    /// Answers that did not come in time.
+    pub timeouts: c_ulong,
+    /// Sessions begun.
+    pub sessions: c_ulong,
+}
+
+/// A move takes 32 bytes at most; the rest is some 190.
+const HOST_WORDS: usize = (240 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
+
+/// A host session. All zero is a new session with default settings. Its contents are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Host {
+    opaque: [c_ulong; HOST_WORDS],
+}
+state!(Host: host::Host<GX_WINDOW_MAX>);
 
 /// Begins a session. Memory that is all zero is one too, with the default settings.
 ///
@@ -140,12 +123,21 @@ const _: () = {
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
-    // SAFETY: as the contract of this function asks; zero is a session.
-    let (Some(host), settings) = (unsafe { (init(host), settings.as_ref()) }) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(settings) = settings {
-        host.set(settings);
+    if let Some(&Settings { answer_ms, probe_ms, move_ms, gap_ms, attempts, window, ascii, first_number }) = settings {
+        host.set(host::Settings {
+            answer_ms: duration(answer_ms),
+            probe_ms: duration(probe_ms),
+            move_ms: duration(move_ms),
+            gap_ms: duration(gap_ms),
+            attempts: short(attempts),
+            window: u8::try_from(window).unwrap_or_default(),
+            ascii: u8::from(ascii != 0),
+            first_number: u16::try_from(first_number).unwrap_or_default(),
+        });
     }
     GX_RC_SUCCESS
 }
@@ -169,8 +161,8 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes: c_int, velocity: c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (Some(host), Some(target)) = (unsafe { (host.as_mut(), target.cast::<[i32; AXES]>().as_ref()) }) else {
+    // SAFETY: pointers are NULL or valid, target's to six values, and they do not overlap.
+    let (Some(host), Some(target)) = (unsafe { (Room::get(host), target.cast::<[i32; AXES]>().as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     match vector_of(target, axes, velocity).map(|target| host.move_to(&target)) {
@@ -193,8 +185,8 @@ pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes:
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match (unsafe { host.as_mut() }, u16::try_from(period_ms)) {
+    // SAFETY: host is NULL or valid.
+    match (unsafe { Room::get(host) }, u16::try_from(period_ms)) {
         (Some(host), Ok(period)) if period <= PERIOD_MAX => {
             host.report(period);
             GX_RC_SUCCESS
@@ -215,8 +207,8 @@ pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
+    // SAFETY: host is NULL or valid, bytes is buf's size, and they do not overlap.
+    match unsafe { (Room::get(host), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
         _ => -GX_RC_ERROR_GENERIC,
     }
@@ -236,12 +228,12 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
+    // SAFETY: host is NULL or valid.
+    let Some(host) = (unsafe { Room::get(host) }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
     };
     let happened = host.poll(time(now_ms));
-    // SAFETY: event is not NULL.
+    // SAFETY: event is not NULL, and does not overlap with host.
     unsafe { write_event(event, happened.as_ref()) };
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
@@ -259,13 +251,13 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }) else {
-        return -GX_RC_ERROR_GENERIC;
-    };
-    // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |frame, room| host.output(frame, room, time(now_ms))) };
-    written.unwrap_or(-GX_RC_ERROR_GENERIC)
+    // SAFETY: host is NULL or valid, cap is buf's size, and they do not overlap.
+    unsafe {
+        match Room::get(host) {
+            Some(host) => fill(buf, cap, |room| host.output(room, time(now_ms))),
+            None => -GX_RC_ERROR_GENERIC,
+        }
+    }
 }
 
 /// How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
@@ -278,8 +270,8 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
-    // SAFETY: as the contract of this function asks.
-    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
+    // SAFETY: host is NULL or valid.
+    let left = unsafe { Room::peek(host) }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
 
@@ -291,28 +283,42 @@ pub unsafe extern "C" fn gx_host_next_deadline(host: *const Host, now_ms: c_ulon
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { host.as_ref() }.map_or(0, |host| host.unfinished().into())
+    // SAFETY: host is NULL or valid.
+    unsafe { Room::peek(host) }.map_or(0, |host| host.unfinished().into())
 }
 
-/// How the link does: NULL when host is, else counters that live and change with the session.
+/// Copies out how the link does.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
-/// const struct gx_host_health *health = gx_host_get_health(&host);
-/// printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
+/// struct gx_host_health health;
+/// if (gx_host_get_health(&host, &health) == GX_RC_SUCCESS)
+///     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_host_get_health(host: *const Host) -> *const Health {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { host.as_ref() } {
-        Some(host) => host.health(),
-        None => core::ptr::null(),
-    }
+pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    let host::Health { moves, repeats, completions, errors, strays, reports, malformed, timeouts, sessions } =
+        host.health();
+    to.moves = c_ulong::from(*moves);
+    to.repeats = c_ulong::from(*repeats);
+    to.completions = c_ulong::from(*completions);
+    to.errors = c_ulong::from(*errors);
+    to.strays = c_ulong::from(*strays);
+    to.reports = c_ulong::from(*reports);
+    to.malformed = c_ulong::from(*malformed);
+    to.timeouts = c_ulong::from(*timeouts);
+    to.sessions = c_ulong::from(*sessions);
+    GX_RC_SUCCESS
 }
 
 /// What `gx_host_move` was given, if it can be a vector.
-fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<Vector> {
-    let mut vector = Vector::new();
+fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::Vector> {
+    let mut vector = gx::Vector::new();
     for (place, value) in vector.axes.iter_mut().zip(target) {
         *place = *value;
     }
@@ -331,12 +337,12 @@ unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
     let kind = match happened {
         None => 0,
         Some(Event::Ended(how, why)) => {
-            (outcome, code) = (outcome_of(*how), *why);
+            (outcome, code) = (*how as c_int, *why);
             GX_HOST_ENDED
         }
         Some(Event::Report(position)) => {
-            // SAFETY: as the contract of this function asks.
-            unsafe { (*event).position.copy(position) };
+            // SAFETY: the same contract.
+            unsafe { (*event).position.set(position) };
             GX_HOST_REPORT
         }
         Some(Event::Error(why, of)) => {
@@ -345,7 +351,7 @@ unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
         }
         Some(Event::Begun) => GX_HOST_BEGUN,
     };
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the same contract.
     unsafe {
         (*event).kind = kind;
         (*event).outcome = outcome;
@@ -354,13 +360,8 @@ unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
     }
 }
 
-const fn outcome_of(outcome: Outcome) -> c_int {
-    match outcome {
-        Outcome::Finished => GX_HOST_FINISHED,
-        Outcome::Refused => GX_HOST_REFUSED,
-        Outcome::Failed => GX_HOST_FAILED,
-        Outcome::Dropped => GX_HOST_DROPPED,
-        Outcome::TimedOut => GX_HOST_TIMED_OUT,
-        Outcome::Lost => GX_HOST_LOST,
-    }
-}
+const _: () = {
+    assert!(GX_HOST_FINISHED == Outcome::Finished as c_int && GX_HOST_REFUSED == Outcome::Refused as c_int);
+    assert!(GX_HOST_FAILED == Outcome::Failed as c_int && GX_HOST_DROPPED == Outcome::Dropped as c_int);
+    assert!(GX_HOST_TIMED_OUT == Outcome::TimedOut as c_int && GX_HOST_LOST == Outcome::Lost as c_int);
+};

@@ -1,46 +1,14 @@
-//! `libdeltarobot/gx_motion.h`: the motion side of the GX protocol, for firmware: takes commands, queues the moves, tells
-//! how they end, reports the position.
-//!
-//! It does no I/O. The firmware's main loop calls:
-//!
-//! ```c
-//! struct gx_motion_event event;
-//! struct gx_vector target;
-//! int length;
-//!
-//! taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
-//! while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
-//!     ;
-//! motors_count(steps);
-//! gx_motion_set_position(&motion, steps);
-//! if (motors_have_arrived())
-//!     gx_motion_done(&motion);
-//! if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
-//!     motors_start(target.mask, target.axes, target.velocity);
-//! if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
-//!     uart_write(&uart, out, length);
-//! ```
-//!
-//! From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
-//! proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position, or
-//! a move to a position.
-//!
-//! What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
-//! gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
-//! has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
-//! move of one, which nobody can tell from a true one.
+//! `gx_motion.h`: the motion side of the GX protocol.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
-use core::mem::{align_of, offset_of, size_of};
 
-use super::gx::{GX_FAULT_AXIS, GX_FAULT_CLOSED, GX_FAULT_NUMBERLESS, GX_FAULT_ORDER, GX_FAULT_OWN, GX_FAULT_STOPPED};
-use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, init};
-use super::memory::{bytes_of, fill, int, long};
-use crate::sizes::GX_QUEUE_MAX;
+use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
+use super::memory::{bytes_of, duration, int, long, time};
+use super::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::clock::time;
-use deltarobot_protocols::gx::motion::{self, Event, Health, Motion, Queue, Queued, Settings};
-use deltarobot_protocols::gx::{AXES, CommandReceiver, Number, Vector};
+use deltarobot_protocols::config::GX_QUEUE_MAX;
+use deltarobot_protocols::gx::motion::{self, Event};
+use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Number};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
 pub const GX_MOTION_QUEUED: c_int = 1;
@@ -68,35 +36,50 @@ pub struct MotionEvent {
     pub period: c_int,
 }
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const LONG: usize = size_of::<c_ulong>();
-    const VECTOR: usize = size_of::<Vector>();
-    const fn up(size: usize, align: usize) -> usize {
-        size.next_multiple_of(align)
-    }
-    assert!(offset_of!(Settings, gap_ms) == 0 && offset_of!(Settings, axes) == LONG);
-    assert!(offset_of!(Settings, only_in_order) == LONG + INT);
-    assert!(size_of::<Settings>() == up(LONG + 2 * INT, align_of::<c_ulong>()));
-    assert!(offset_of!(Health, moves) == 0 && offset_of!(Health, repeats) == LONG);
-    assert!(offset_of!(Health, refused) == 2 * LONG && offset_of!(Health, malformed) == 3 * LONG);
-    assert!(offset_of!(Health, reports) == 4 * LONG && size_of::<Health>() == 5 * LONG);
-    assert!(size_of::<Queued>() == VECTOR + up(3, align_of::<i32>()));
-    assert!(size_of::<Queue>() == GX_QUEUE_MAX * size_of::<Queued>() + VECTOR + up(4, align_of::<i32>()));
-    assert!(offset_of!(MotionEvent, kind) == 0 && offset_of!(MotionEvent, number) == INT);
-    assert!(offset_of!(MotionEvent, code) == 2 * INT && offset_of!(MotionEvent, period) == 3 * INT);
-    assert!(size_of::<MotionEvent>() == 4 * INT);
-    if INT == 4 && LONG == 8 {
-        let receiver =
-            up(up(size_of::<Settings>() + 5 * LONG + size_of::<Queue>() + VECTOR, LONG) + 16 + 26 + 10 + 6, 4);
-        assert!(size_of::<Motion>() == up(up(receiver + size_of::<CommandReceiver>(), LONG) + LONG + 2, LONG));
-    }
-    assert!(GX_FAULT_ORDER == motion::ORDER as c_int && GX_FAULT_CLOSED == motion::CLOSED as c_int);
-    assert!(GX_FAULT_NUMBERLESS == motion::NUMBERLESS as c_int && GX_FAULT_AXIS == motion::AXIS as c_int);
-    assert!(GX_FAULT_STOPPED == motion::STOPPED as c_int && GX_FAULT_OWN == motion::CODE_FREE as c_int);
-};
+/// Settings of a motion side. 0 stands for the default everywhere.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Settings {
+    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
+    /// default 1000, as somebody may be typing.
+    pub gap_ms: c_ulong,
+    /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
+    /// leave them out. By default all six.
+    pub axes: c_int,
+    /// Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
+    /// refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
+    /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
+    /// session. By default moves are taken with any number, or none, until a host begins a session.
+    pub only_in_order: c_int,
+}
+
+/// Counters of a motion side since it began; they wrap.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Health {
+    /// Moves queued.
+    pub moves: c_ulong,
+    /// Moves that were queued before and came again: not carried out twice.
+    pub repeats: c_ulong,
+    /// Moves refused, with an error notice or without.
+    pub refused: c_ulong,
+    /// Malformed commands.
+    pub malformed: c_ulong,
+    /// Position reports sent.
+    pub reports: c_ulong,
+}
+
+/// What a queued move takes: structs have no padding on AVR.
+const MOVE_BYTES: usize = if align_of::<i32>() == 1 { 29 } else { 32 };
+const MOTION_WORDS: usize = (184 + MOVE_BYTES * GX_QUEUE_MAX) / size_of::<c_ulong>();
+
+/// A motion side. All zero is a new one with default settings. Its contents are private.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Motion {
+    opaque: [c_ulong; MOTION_WORDS],
+}
+state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
 /// Begins a motion side. Memory that is all zero is one too, with the default settings.
 ///
@@ -111,12 +94,16 @@ const _: () = {
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
-    // SAFETY: as the contract of this function asks; zero is a motion side.
-    let (Some(motion), settings) = (unsafe { (init(motion), settings.as_ref()) }) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(motion), settings) = (unsafe { (Room::init(motion), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(settings) = settings {
-        motion.set(settings);
+    if let Some(&Settings { gap_ms, axes, only_in_order }) = settings {
+        motion.set(motion::Settings {
+            gap_ms: duration(gap_ms),
+            axes: u8::try_from(axes & c_int::from(MASK_AXES)).unwrap_or_default(),
+            only_in_order: u8::from(only_in_order != 0),
+        });
     }
     GX_RC_SUCCESS
 }
@@ -146,8 +133,8 @@ pub unsafe extern "C" fn gx_motion_receive(
     bytes: c_int,
     now_ms: c_ulong,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (motion.as_mut(), bytes_of(buf, bytes)) } {
+    // SAFETY: motion is NULL or valid, bytes is buf's size, and they do not overlap.
+    match unsafe { (Room::get(motion), bytes_of(buf, bytes)) } {
         (Some(motion), Some(input)) => int(motion.receive(input, time(now_ms))),
         _ => -GX_RC_ERROR_GENERIC,
     }
@@ -166,12 +153,12 @@ pub unsafe extern "C" fn gx_motion_receive(
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(motion) = (unsafe { motion.as_mut() }).filter(|_| !event.is_null()) else {
+    // SAFETY: motion is NULL or valid.
+    let Some(motion) = (unsafe { Room::get(motion) }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
     };
     let happened = motion.poll(time(now_ms));
-    // SAFETY: event is not NULL.
+    // SAFETY: event is not NULL, and does not overlap with motion.
     unsafe { write_event(event, happened) };
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
@@ -192,14 +179,14 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector, number: *mut c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (Some(motion), Some(room), number) = (unsafe { (motion.as_mut(), r#move.as_mut(), number.as_mut()) }) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(motion), Some(room), number) = (unsafe { (Room::get(motion), r#move.as_mut(), number.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let Some((target, its_number)) = motion.next() else {
         return GX_RC_NO_EVENT;
     };
-    room.copy(target);
+    room.set(target);
     if let Some(number) = number {
         *number = number_of(its_number);
     }
@@ -217,8 +204,8 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { motion.as_mut() }.map(Motion::done) {
+    // SAFETY: motion is NULL or valid.
+    match unsafe { Room::get(motion) }.map(motion::Motion::done) {
         Some(true) => GX_RC_SUCCESS,
         Some(false) => GX_RC_NO_EVENT,
         None => GX_RC_ERROR_GENERIC,
@@ -242,12 +229,12 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_int {
     let code = match u8::try_from(code) {
-        Ok(0) => motion::STOPPED,
-        Ok(code @ motion::CODE_FREE..=127) => code,
+        Ok(0) => Fault::Stopped as u8,
+        Ok(code @ CODE_FREE..=127) => code,
         _ => return GX_RC_ERROR_GENERIC,
     };
-    // SAFETY: as the contract of this function asks.
-    let Some(motion) = (unsafe { motion.as_mut() }) else {
+    // SAFETY: motion is NULL or valid.
+    let Some(motion) = (unsafe { Room::get(motion) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     motion.stop(code);
@@ -269,8 +256,9 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *const i32) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (Some(motion), Some(position)) = (unsafe { (motion.as_mut(), position.cast::<[i32; AXES]>().as_ref()) }) else {
+    // SAFETY: pointers are NULL or valid, position's to six values, and they do not overlap.
+    let (Some(motion), Some(position)) = (unsafe { (Room::get(motion), position.cast::<[i32; AXES]>().as_ref()) })
+    else {
         return GX_RC_ERROR_GENERIC;
     };
     if motion.set_position(position) { GX_RC_SUCCESS } else { GX_RC_ERROR_GENERIC }
@@ -289,13 +277,13 @@ pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(motion) = (unsafe { motion.as_mut() }) else {
-        return -GX_RC_ERROR_GENERIC;
-    };
-    // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |frame, room| motion.output(frame, room, time(now_ms))) };
-    written.unwrap_or(-GX_RC_ERROR_GENERIC)
+    // SAFETY: motion is NULL or valid, cap is buf's size, and they do not overlap.
+    unsafe {
+        match Room::get(motion) {
+            Some(motion) => fill(buf, cap, |room| motion.output(room, time(now_ms))),
+            None => -GX_RC_ERROR_GENERIC,
+        }
+    }
 }
 
 /// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
@@ -308,8 +296,8 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_next_deadline(motion: *const Motion, now_ms: c_ulong) -> c_long {
-    // SAFETY: as the contract of this function asks.
-    let left = unsafe { motion.as_ref() }.and_then(|motion| motion.next_deadline(time(now_ms)));
+    // SAFETY: motion is NULL or valid.
+    let left = unsafe { Room::peek(motion) }.and_then(|motion| motion.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
 
@@ -321,23 +309,32 @@ pub unsafe extern "C" fn gx_motion_next_deadline(motion: *const Motion, now_ms: 
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { motion.as_ref() }.map_or(0, |motion| motion.unfinished().into())
+    // SAFETY: motion is NULL or valid.
+    unsafe { Room::peek(motion) }.map_or(0, |motion| motion.unfinished().into())
 }
 
-/// What was seen: NULL when motion is, else counters that live and change with it.
+/// Copies out what was seen.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
-/// const struct gx_motion_health *health = gx_motion_get_health(&motion);
-/// printf("%lu moves, %lu refused\n", health->moves, health->refused);
+/// struct gx_motion_health health;
+/// if (gx_motion_get_health(&motion, &health) == GX_RC_SUCCESS)
+///     printf("%lu moves, %lu refused\n", health.moves, health.refused);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion) -> *const Health {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { motion.as_ref() } {
-        Some(motion) => motion.health(),
-        None => core::ptr::null(),
-    }
+pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut Health) -> c_int {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
+        return GX_RC_ERROR_GENERIC;
+    };
+    let motion::Health { moves, repeats, refused, malformed, reports } = motion.health();
+    to.moves = c_ulong::from(*moves);
+    to.repeats = c_ulong::from(*repeats);
+    to.refused = c_ulong::from(*refused);
+    to.malformed = c_ulong::from(*malformed);
+    to.reports = c_ulong::from(*reports);
+    GX_RC_SUCCESS
 }
 
 /// # Safety
@@ -352,7 +349,7 @@ unsafe fn write_event(event: *mut MotionEvent, happened: Option<Event>) {
         Some(Event::Begun(number)) => (GX_MOTION_BEGUN, number, 0, 0),
         Some(Event::Reporting(period)) => (GX_MOTION_REPORTING, None, 0, period),
     };
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the same contract.
     unsafe {
         (*event).kind = kind;
         (*event).number = number_of(number);

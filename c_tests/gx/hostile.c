@@ -33,6 +33,7 @@ static int some_room(void)
 static void arguments_of_the_host(void)
 {
     struct gx_host_event event;
+    struct gx_host_health health;
     int32_t target[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
     int i;
 
@@ -67,7 +68,8 @@ static void arguments_of_the_host(void)
     CHECK_INT(gx_host_output(&host, NULL, 0, 0), 0);
     CHECK_INT(gx_host_next_deadline(NULL, 0), -1);
     CHECK_INT(gx_host_unfinished(NULL), 0);
-    CHECK(gx_host_get_health(NULL) == NULL);
+    CHECK_INT(gx_host_get_health(NULL, &health), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_get_health(&host, NULL), GX_RC_ERROR_GENERIC);
 }
 
 static void a_host_in_any_memory(void)
@@ -102,6 +104,7 @@ static void a_host_in_any_memory(void)
 static void arguments_of_the_motion_side(void)
 {
     struct gx_motion_event event;
+    struct gx_motion_health health;
     struct gx_vector move = {0, 0, {0}};
     int number;
 
@@ -126,7 +129,8 @@ static void arguments_of_the_motion_side(void)
     CHECK_INT(gx_motion_output(&motion, NULL, 0, 0), 0);
     CHECK_INT(gx_motion_next_deadline(NULL, 0), -1);
     CHECK_INT(gx_motion_unfinished(NULL), 0);
-    CHECK(gx_motion_get_health(NULL) == NULL);
+    CHECK_INT(gx_motion_get_health(NULL, &health), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_motion_get_health(&motion, NULL), GX_RC_ERROR_GENERIC);
 }
 
 static void a_motion_side_in_any_memory(void)

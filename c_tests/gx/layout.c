@@ -20,9 +20,9 @@ AT(gx_item, format, 8);
 AT(gx_item, code, 9);
 AT(gx_item, period, 10);
 AT(gx_item, vector, 12);
-SAME(sizeof(struct gx_commands), 40);
-SAME(sizeof(struct gx_notices), 40);
-SAME(sizeof(struct gx_contour), 56);
+SAME(sizeof(struct gx_commands), 48);
+SAME(sizeof(struct gx_notices), 48);
+SAME(sizeof(struct gx_contour), 64);
 
 /* --- gx_host.h --- */
 
@@ -45,17 +45,13 @@ AT(gx_host_health, malformed, 6 * LONG);
 AT(gx_host_health, timeouts, 7 * LONG);
 AT(gx_host_health, sessions, 8 * LONG);
 SAME(sizeof(struct gx_host_health), 9 * LONG);
-SAME(sizeof(struct gx_host_requested), 32);
-SAME(sizeof(struct gx_host_window), UP(GX_WINDOW_MAX * 32 + 28 + 5, int32_t));
 AT(gx_host_event, kind, 0);
 AT(gx_host_event, outcome, INT);
 AT(gx_host_event, code, 2 * INT);
 AT(gx_host_event, number, 3 * INT);
 AT(gx_host_event, position, 4 * INT);
 SAME(sizeof(struct gx_host_event), 4 * INT + sizeof(struct gx_vector));
-#if GX_WINDOW_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
-SAME(sizeof(struct gx_host), 800);
-#endif
+SAME(sizeof(struct gx_host), UP(240 + 32 * GX_WINDOW_MAX, unsigned long));
 
 /* --- gx_motion.h --- */
 
@@ -74,12 +70,7 @@ AT(gx_motion_event, number, INT);
 AT(gx_motion_event, code, 2 * INT);
 AT(gx_motion_event, period, 3 * INT);
 SAME(sizeof(struct gx_motion_event), 4 * INT);
-SAME(sizeof(struct gx_motion_queued), 32);
-SAME(sizeof(struct gx_motion_queue), GX_QUEUE_MAX * 32 + 28 + 4);
-SAME(sizeof(struct gx_motion_notices), 26);
-#if GX_QUEUE_MAX == 16 && defined(__x86_64__) && defined(__LP64__)
-SAME(sizeof(struct gx_motion), 752);
-#endif
+SAME(sizeof(struct gx_motion), UP(184 + 32 * GX_QUEUE_MAX, unsigned long));
 
 /* --- ContouringProtocol.h, as posted --- */
 

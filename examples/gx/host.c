@@ -261,7 +261,7 @@ static void draw_circle(void)
 static void draw(void)
 {
     static const char HALF[] = "#\x80\x81!\x83\xE8\x87";
-    unsigned long repeats;
+    struct gx_host_health before, after;
     int finished;
 
     draw_circle();
@@ -288,7 +288,7 @@ static void draw(void)
 
     title("A command that the line loses: those behind it are out of order, and all are sent again, in long form.");
     finished = seen.ended[GX_HOST_FINISHED];
-    repeats = gx_host_get_health(&session)->repeats;
+    gx_host_get_health(&session, &before);
     loses = 1;
     go(110, 100, 0, X, -1);
     run(2, 1000);
@@ -296,7 +296,8 @@ static void draw(void)
     go(130, 110, 0, X, -1);
     finish();
     expect(seen.ended[GX_HOST_FINISHED] == finished + 3, "all three moves to be finished");
-    expect(gx_host_get_health(&session)->repeats == repeats + 3, "three moves to be sent again");
+    gx_host_get_health(&session, &after);
+    expect(after.repeats == before.repeats + 3, "three moves to be sent again");
 
     title("An axis that the machine does not have: refused, and so is what comes behind it.");
     go(100, 200, 0, Y, -1);
@@ -324,7 +325,7 @@ static void draw(void)
 
 int main(int argc, char **argv)
 {
-    const struct gx_host_health *health;
+    struct gx_host_health health;
     struct gx_host_settings settings;
 
     if (argc != 2) {
@@ -342,10 +343,10 @@ int main(int argc, char **argv)
     began = now_ms();
     draw();
     expect(!gone, "the line to stay open");
-    health = gx_host_get_health(&session);
+    gx_host_get_health(&session, &health);
     printf("\n%lu moves in %lu sessions, %lu sent again, %lu error notices, %lu reports, in %.1f s; %.1f bytes for a "
            "segment of the circle with its number; %d expectations, %d not met: %s\n",
-           health->moves, health->sessions, health->repeats, health->errors, health->reports, (double)now_ms() / 1000,
+           health.moves, health.sessions, health.repeats, health.errors, health.reports, (double)now_ms() / 1000,
            (double)circle_bytes / SEGMENTS, expected, failed, failed ? "FAILED" : "all as expected");
     dp_serial_close(&port);
     return failed ? 1 : 0;

@@ -1,7 +1,18 @@
 /**
  * @file
  * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
- * where something was lost, and tells how they ended.
+ * where something was lost, and reports how they ended.
+ *
+ * Generated from src/gx_host.rs: `make header` renews it.
+ *
+ * What holds for each function, unless it says otherwise (docs/api.md has all of it):
+ *
+ * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
+ *   writable where they are not const, with any contents. The objects of one call don't overlap.
+ * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
+ *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
+ * - Callbacks may call the library, on the same objects too.
+ * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
  *
  * A session does no I/O. A loop around it:
  *
@@ -43,33 +54,31 @@
  *
  * Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
  * one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
- *
- * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
- * Generated from src/gx_host.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_GX_HOST_H
 #define LIBDELTAROBOT_GX_HOST_H
 
-#include "abi.h"
-#include "gx.h"
 
-LIBDELTAROBOT_NOT_PACKED(gx_host);
+#include "libdeltarobot/gx.h"
 
-#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
-#define gx_host_init GX_SIZED_NAME(gx_host_init)
-#define gx_host_move GX_SIZED_NAME(gx_host_move)
-#define gx_host_report GX_SIZED_NAME(gx_host_report)
-#define gx_host_receive GX_SIZED_NAME(gx_host_receive)
-#define gx_host_poll GX_SIZED_NAME(gx_host_poll)
-#define gx_host_output GX_SIZED_NAME(gx_host_output)
-#define gx_host_next_deadline GX_SIZED_NAME(gx_host_next_deadline)
-#define gx_host_unfinished GX_SIZED_NAME(gx_host_unfinished)
-#define gx_host_get_health GX_SIZED_NAME(gx_host_get_health)
+#ifdef GX_SIZED_BY_MACRO
+#define gx_host_init gx_host_init_16_16
+#define gx_host_move gx_host_move_16_16
+#define gx_host_report gx_host_report_16_16
+#define gx_host_receive gx_host_receive_16_16
+#define gx_host_poll gx_host_poll_16_16
+#define gx_host_output gx_host_output_16_16
+#define gx_host_next_deadline gx_host_next_deadline_16_16
+#define gx_host_unfinished gx_host_unfinished_16_16
+#define gx_host_get_health gx_host_get_health_16_16
 #endif
+
+#define GX_HOST_WORDS ((240 + 32 * GX_WINDOW_MAX) / sizeof(unsigned long))
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
 
 /**
  * Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
@@ -77,17 +86,34 @@ extern "C" {
  */
 #define GX_HOST_ENDED 1
 
-/** Event: a position report: position. */
+/**
+ * Event: a position report: position.
+ */
 #define GX_HOST_REPORT 2
-/** Event: an error notice: code, number. What is to be done about it, the session does. */
+
+/**
+ * Event: an error notice: code, number. What is to be done about it, the session does.
+ */
 #define GX_HOST_ERROR 3
-/** Event: a session has begun. */
+
+/**
+ * Event: a session has begun.
+ */
 #define GX_HOST_BEGUN 4
-/** Outcome: the move was carried out. */
+
+/**
+ * Outcome: the move was carried out.
+ */
 #define GX_HOST_FINISHED 1
-/** Outcome: the motion side did not accept the move. It was not carried out. */
+
+/**
+ * Outcome: the motion side did not accept the move. It was not carried out.
+ */
 #define GX_HOST_REFUSED 2
-/** Outcome: the motion side accepted the move, and has stopped before it was carried out to its end. */
+
+/**
+ * Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
+ */
 #define GX_HOST_FAILED 3
 
 /**
@@ -96,7 +122,9 @@ extern "C" {
  */
 #define GX_HOST_DROPPED 4
 
-/** Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known. */
+/**
+ * Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
+ */
 #define GX_HOST_TIMED_OUT 5
 
 /**
@@ -105,17 +133,32 @@ extern "C" {
  */
 #define GX_HOST_LOST 6
 
-/** Settings of a host session, times in milliseconds. 0 stands for the default everywhere. */
+/**
+ * A host session. All zero is a new session with default settings. Its contents are private.
+ */
+struct gx_host {
+  unsigned long opaque[GX_HOST_WORDS];
+};
+
+/**
+ * Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
+ */
 struct gx_host_settings {
-  /** How long an answer may take to come; by default 250. What asks for one is not sent again sooner. */
+  /**
+   * How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
+   */
   unsigned long answer_ms;
   /**
    * How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
    */
   unsigned long probe_ms;
-  /** A session is given up when a move takes longer than this from its turn on; by default 120000. */
+  /**
+   * A session is given up when a move takes longer than this from its turn on; by default 120000.
+   */
   unsigned long move_ms;
-  /** A notice is complete when the line was quiet for this long, or another one has begun; by default 50. */
+  /**
+   * A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
+   */
   unsigned long gap_ms;
   /**
    * How often something is sent without any answer, or a session is asked for that the motion side does not keep,
@@ -127,118 +170,82 @@ struct gx_host_settings {
    * side queues are refused by it, and sent again.
    */
   int window;
-  /** Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too. */
+  /**
+   * Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
+   */
   int ascii;
-  /** The number that the first session begins with, 0 to 16383. */
+  /**
+   * The number that the first session begins with, 0 to 16383.
+   */
   int first_number;
 };
 
-/** Counters of a host session since it began; they wrap. */
-struct gx_host_health {
-  /** Moves sent, each counted once. */
-  unsigned long moves;
-  /** Moves sent again. */
-  unsigned long repeats;
-  /** Notices that moves were carried out. */
-  unsigned long completions;
-  /** Error notices. */
-  unsigned long errors;
-  /** Notices of numbers that nothing unfinished has: late, or told again. */
-  unsigned long strays;
-  /** Position reports. */
-  unsigned long reports;
-  /** Malformed notices. */
-  unsigned long malformed;
-  /** Answers that did not come in time. */
-  unsigned long timeouts;
-  /** Sessions begun. */
-  unsigned long sessions;
-};
-
-/** A requested move. Its fields are private. */
-struct gx_host_requested {
-  /** Where all axes are after it and the velocity then in force, as far as the mask says that they are known. */
-  struct gx_vector target;
-  /** The mask of what was requested. */
-  unsigned char named;
-  /** Whether it was sent as absolute positions. */
-  unsigned char absolute;
-  /** 0, or how it ended and why. */
-  unsigned char outcome;
-  unsigned char code;
-};
-
-/** The requested moves, the oldest first: some that were sent, then some that were not. Its fields are private. */
-struct gx_host_window {
-  struct gx_host_requested moves[GX_WINDOW_MAX];
-  /** Where the last move that is not among them any more leads to. */
-  struct gx_vector base;
-  /** The number of the oldest, if that was sent. */
-  unsigned short first;
-  unsigned char head;
-  unsigned char count;
-  /** How many have been sent in this session, and have their numbers. */
-  unsigned char sent;
-};
-
-/** A host session. Its fields are private; all zero is a new session with default settings. */
-struct gx_host {
-  struct gx_host_settings settings;
-  struct gx_host_health health;
-  struct gx_host_window window;
-  /** The last report. */
-  struct gx_vector position;
-  struct gx_notices receiver;
-  /** When the last bytes came. */
-  unsigned long arrived_at;
-  /**
-   * When the first of what has no answer yet was sent; when a move has ended, or the first was sent; when moves were
-   * sent again because of an error; since when the motion side has no room.
-   */
-  unsigned long asked_at;
-  unsigned long progressed_at;
-  unsigned long went_back_at;
-  unsigned long held_at;
-  /** When reports were asked for, or the last came. */
-  unsigned long reports_at;
-  /** The number of the request that begins a session. */
-  unsigned short opening;
-  /** How often the position is to be reported, in milliseconds. */
-  unsigned short period;
-  /** The number in the last error notice. */
-  unsigned short error_number;
-  /** Its code, and whether it has a number. */
-  unsigned char error_code;
-  unsigned char error_numbered;
-  /** One of the stages below, or of those in which a session is begun. */
-  unsigned char stage;
-  /** What is to be sent, and what is to be told: bits of `SEND_*` and `TELL_*`. */
-  unsigned char send;
-  unsigned char tell;
-  /** What else is the case: bits of `IS_*`. */
-  unsigned char is;
-  /** The next of the sent moves to be sent again; as many as were sent if there is none. */
-  unsigned char cursor;
-  /** How often something was sent since the last answer. */
-  unsigned char unanswered;
-  /** How often in a row the second of the requests that begin a session was answered, and the first not again. */
-  unsigned char doubts;
-};
-
-/** Something that happened. */
+/**
+ * Something that happened.
+ */
 struct gx_host_event {
-  /** What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`. */
+  /**
+   * What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
+   */
   int kind;
-  /** Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others. */
+  /**
+   * Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
+   */
   int outcome;
   /**
    * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
    */
   int code;
-  /** Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others. */
+  /**
+   * Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others.
+   */
   int number;
-  /** Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone. */
+  /**
+   * Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone.
+   */
   struct gx_vector position;
+};
+
+/**
+ * Counters of a host session since it began; they wrap.
+ */
+struct gx_host_health {
+  /**
+   * Moves sent, each counted once.
+   */
+  unsigned long moves;
+  /**
+   * Moves sent again.
+   */
+  unsigned long repeats;
+  /**
+   * Notices that moves were carried out.
+   */
+  unsigned long completions;
+  /**
+   * Error notices.
+   */
+  unsigned long errors;
+  /**
+   * Notices of numbers that nothing unfinished has: late, or sent again.
+   */
+  unsigned long strays;
+  /**
+   * Position reports.
+   */
+  unsigned long reports;
+  /**
+   * Malformed notices.
+   */
+  unsigned long malformed;
+  /**
+   * Answers that did not come in time.
+   */
+  unsigned long timeouts;
+  /**
+   * Sessions begun.
+   */
+  unsigned long sessions;
 };
 
 /**
@@ -275,7 +282,11 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  *     puts("first, events have to be fetched");
  * ```
  */
-int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velocity) GX_SIZED("gx_host_move");
+int gx_host_move(struct gx_host *host,
+                 const int32_t *target,
+                 int axes,
+                 int velocity)
+GX_SIZED("gx_host_move");
 
 /**
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
@@ -290,7 +301,9 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
  *     puts("no such period");
  * ```
  */
-int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
+int gx_host_report(struct gx_host *host,
+                   int period_ms)
+GX_SIZED("gx_host_report");
 
 /**
  * Takes received bytes; `now_ms` is when they came.
@@ -304,7 +317,11 @@ int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report
  *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
  */
-int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED("gx_host_receive");
+int gx_host_receive(struct gx_host *host,
+                    const void *buf,
+                    int bytes,
+                    unsigned long now_ms)
+GX_SIZED("gx_host_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
@@ -320,7 +337,10 @@ int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned l
  *         printf("the oldest move: outcome %d\n", event.outcome);
  * ```
  */
-int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_event *event) GX_SIZED("gx_host_poll");
+int gx_host_poll(struct gx_host *host,
+                 unsigned long now_ms,
+                 struct gx_host_event *event)
+GX_SIZED("gx_host_poll");
 
 /**
  * Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
@@ -347,7 +367,9 @@ int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_m
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  * ```
  */
-long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_SIZED("gx_host_next_deadline");
+long gx_host_next_deadline(const struct gx_host *host,
+                           unsigned long now_ms)
+GX_SIZED("gx_host_next_deadline");
 
 /**
  * How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
@@ -360,14 +382,20 @@ long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_
 int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished");
 
 /**
- * How the link does: NULL when host is, else counters that live and change with the session.
+ * Copies out how the link does.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
- * const struct gx_host_health *health = gx_host_get_health(&host);
- * printf("%lu moves, %lu repeats\n", health->moves, health->repeats);
+ * struct gx_host_health health;
+ * if (gx_host_get_health(&host, &health) == GX_RC_SUCCESS)
+ *     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
  * ```
  */
-const struct gx_host_health *gx_host_get_health(const struct gx_host *host) GX_SIZED("gx_host_get_health");
+int gx_host_get_health(const struct gx_host *host,
+                       struct gx_host_health *health)
+GX_SIZED("gx_host_get_health");
+
 
 #ifdef __cplusplus
 }

@@ -1,11 +1,22 @@
 //! Of `gx.h`: paths.
 
-use core::ffi::{c_int, c_uchar, c_void};
+use core::ffi::{c_int, c_uchar, c_ulong, c_void};
 
 use super::write::write;
-use super::{GX_RC_ERROR_GENERIC, GX_RC_SUCCESS, init};
+use super::{GX_RC_ERROR_GENERIC, GX_RC_SUCCESS, Number, Vector};
+use crate::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{AXES, Contour, NumberField, Vector};
+use deltarobot_protocols::gx::{self, AXES};
+
+const CONTOUR_WORDS: usize = 64 / size_of::<c_ulong>();
+
+/// Writes a path as the shortest stream of commands. All zero is a path of no axis. Its contents are private.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Contour {
+    opaque: [c_ulong; CONTOUR_WORDS],
+}
+state!(Contour: gx::Contour);
 
 /// Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
 ///
@@ -18,14 +29,14 @@ use deltarobot_protocols::gx::{AXES, Contour, NumberField, Vector};
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -> c_int {
-    // SAFETY: as the contract of this function asks; zero is a path of no axis.
-    match unsafe { init(contour) }.map(|contour| contour.set_axes(mask)) {
+    // SAFETY: contour is NULL or writable.
+    match unsafe { Room::init(contour) }.map(|contour| contour.set_axes(mask)) {
         Some(true) => GX_RC_SUCCESS,
         _ => GX_RC_ERROR_GENERIC,
     }
 }
 
-/// Tells where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+/// Sets where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
 /// known, as after an error notice.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
@@ -36,9 +47,9 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const Vector) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { (contour.as_mut(), start.as_ref()) } {
-        (Some(contour), Some(start)) => contour.starts_at(start),
+    // SAFETY: two objects that do not overlap, or NULL.
+    match unsafe { (Room::get(contour), start.as_ref()) } {
+        (Some(contour), Some(start)) => contour.starts_at(&start.to_core()),
         (Some(contour), None) => contour.forget(),
         _ => return GX_RC_ERROR_GENERIC,
     }
@@ -61,7 +72,7 @@ pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const V
 #[export]
 pub unsafe extern "C" fn gx_contour_segment(
     contour: *mut Contour,
-    number: *const NumberField,
+    number: *const Number,
     position: *const i32,
     velocity: c_int,
     buf: *mut c_void,
@@ -69,9 +80,9 @@ pub unsafe extern "C" fn gx_contour_segment(
 ) -> c_int {
     // More than there are stays more.
     let velocity = if velocity < 0 { None } else { Some(u16::try_from(velocity).unwrap_or(u16::MAX)) };
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, position's to six values, and cap is buf's size.
     unsafe {
-        match (contour.as_mut(), position.cast::<[i32; AXES]>().as_ref()) {
+        match (Room::get(contour), position.cast::<[i32; AXES]>().as_ref()) {
             (Some(contour), Some(position)) => {
                 write(number, buf, cap, |number, room| contour.segment(number, position, velocity, room))
             }

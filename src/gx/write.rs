@@ -2,12 +2,12 @@
 
 use core::ffi::{c_int, c_void};
 
-use super::super::memory::{int, room_of};
-use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE};
+use super::super::memory::int;
+use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE, Number, Vector, room};
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{EncodeError, Format, Number, NumberField, Vector};
 use deltarobot_protocols::gx::{
-    write_completed, write_move, write_position, write_refused, write_reporting, write_shortest, write_step,
+    self, EncodeError, Format, write_completed, write_move, write_position, write_refused, write_reporting,
+    write_shortest, write_step,
 };
 
 /// Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
@@ -26,19 +26,15 @@ use deltarobot_protocols::gx::{
 #[export]
 pub unsafe extern "C" fn gx_write_move(
     format: c_int,
-    number: *const NumberField,
+    number: *const Number,
     target: *const Vector,
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        match (format_of(format), target.as_ref()) {
-            (Some(format), Some(target)) => {
-                write(number, buf, cap, |number, room| write_move(format, number, target, room))
-            }
-            _ => -GX_RC_ERROR_GENERIC,
-        }
+        let target = vector_of(target);
+        write(number, buf, cap, |number, room| write_move(format_of(format)?, number, &target?, room))
     }
 }
 
@@ -54,17 +50,15 @@ pub unsafe extern "C" fn gx_write_move(
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_write_step(
-    number: *const NumberField,
+    number: *const Number,
     deltas: *const Vector,
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        match deltas.as_ref() {
-            Some(deltas) => write(number, buf, cap, |number, room| write_step(number, deltas, room)),
-            None => -GX_RC_ERROR_GENERIC,
-        }
+        let deltas = vector_of(deltas);
+        write(number, buf, cap, |number, room| write_step(number, &deltas?, room))
     }
 }
 
@@ -80,20 +74,16 @@ pub unsafe extern "C" fn gx_write_step(
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_write_shortest(
-    number: *const NumberField,
+    number: *const Number,
     target: *const Vector,
     from: *const Vector,
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    const UNKNOWN: &Vector = &Vector::new();
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        let from = from.as_ref().unwrap_or(UNKNOWN);
-        match target.as_ref() {
-            Some(target) => write(number, buf, cap, |number, room| write_shortest(number, target, from, room)),
-            None => -GX_RC_ERROR_GENERIC,
-        }
+        let (target, from) = (vector_of(target), vector_of(from).unwrap_or_default());
+        write(number, buf, cap, |number, room| write_shortest(number, &target?, &from, room))
     }
 }
 
@@ -109,16 +99,15 @@ pub unsafe extern "C" fn gx_write_shortest(
 #[export]
 pub unsafe extern "C" fn gx_write_reporting(
     format: c_int,
-    number: *const NumberField,
+    number: *const Number,
     period: c_int,
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
     // What is none stays out of range.
     let period = u16::try_from(period).unwrap_or(u16::MAX);
-    // SAFETY: as the contract of this function asks.
-    unsafe { write(number, buf, cap, |number, room| write_reporting(format, number, period, room)) }
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
+    unsafe { write(number, buf, cap, |number, room| write_reporting(format_of(format)?, number, period, room)) }
 }
 
 /// Writes the notice that the command with this number was carried out, in the number's format.
@@ -131,14 +120,9 @@ pub unsafe extern "C" fn gx_write_reporting(
 ///     uart_write(&uart, out, length);
 /// ```
 #[export]
-pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mut c_void, cap: c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        write(number, buf, cap, |number, room| match number {
-            Some(number) => write_completed(number, room),
-            None => Err(EncodeError::Empty),
-        })
-    }
+pub unsafe extern "C" fn gx_write_completed(number: *const Number, buf: *mut c_void, cap: c_int) -> c_int {
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
+    unsafe { write(number, buf, cap, |number, room| write_completed(number.ok_or(EncodeError::Empty)?, room)) }
 }
 
 /// Writes the notice that a command was not carried out: with its number, if it had one, in the format of the command.
@@ -157,16 +141,15 @@ pub unsafe extern "C" fn gx_write_completed(number: *const NumberField, buf: *mu
 #[export]
 pub unsafe extern "C" fn gx_write_refused(
     format: c_int,
-    number: *const NumberField,
+    number: *const Number,
     code: c_int,
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    let Some(format) = format_of(format) else { return -GX_RC_ERROR_GENERIC };
     // What is none stays out of range.
     let code = u8::try_from(code).unwrap_or(u8::MAX);
-    // SAFETY: as the contract of this function asks.
-    unsafe { write(number, buf, cap, |number, room| write_refused(format, number, code, room)) }
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
+    unsafe { write(number, buf, cap, |number, room| write_refused(format_of(format)?, number, code, room)) }
 }
 
 /// Writes a position report. A position has no velocity: flagged, it does not fit.
@@ -185,23 +168,29 @@ pub unsafe extern "C" fn gx_write_position(
     buf: *mut c_void,
     cap: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        match (format_of(format), position.as_ref()) {
-            (Some(format), Some(position)) => {
-                write(core::ptr::null(), buf, cap, |_, room| write_position(format, position, room))
-            }
-            _ => -GX_RC_ERROR_GENERIC,
-        }
+        let position = vector_of(position);
+        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, &position?, room))
     }
 }
 
-fn format_of(format: c_int) -> Option<Format> {
+fn format_of(format: c_int) -> Result<Format, EncodeError> {
     match format {
-        GX_BINARY => Some(Format::Binary),
-        GX_ASCII => Some(Format::Ascii),
-        _ => None,
+        GX_BINARY => Ok(Format::Binary),
+        GX_ASCII => Ok(Format::Ascii),
+        _ => Err(EncodeError::Empty),
     }
+}
+
+/// A vector, if there is one.
+///
+/// # Safety
+///
+/// vector is NULL or points to a vector.
+unsafe fn vector_of(vector: *const Vector) -> Result<gx::Vector, EncodeError> {
+    // SAFETY: the same contract.
+    unsafe { vector.as_ref() }.map(Vector::to_core).ok_or(EncodeError::Empty)
 }
 
 /// Calls a function of the core's that writes something with a number, and makes its answer an int.
@@ -210,27 +199,24 @@ fn format_of(format: c_int) -> Option<Format> {
 ///
 /// number is NULL or points to a number, buf is NULL or points to cap writable bytes.
 pub(super) unsafe fn write(
-    number: *const NumberField,
+    number: *const Number,
     buf: *mut c_void,
     cap: c_int,
-    write: impl FnOnce(Option<Number>, &mut [u8]) -> Result<usize, EncodeError>,
+    write: impl FnOnce(Option<gx::Number>, &mut [u8]) -> Result<usize, EncodeError>,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let (number, room) = unsafe { (number.as_ref(), room_of(buf, cap)) };
+    // SAFETY: the same contract.
+    let (number, room) = unsafe { (number.as_ref(), room(buf, cap)) };
     let number = match number {
         Some(number) if number.format != 0 => match format_of(number.format.into()) {
-            Some(format) => Some(Number { value: number.value, format }),
-            None => return -GX_RC_ERROR_GENERIC,
+            Ok(format) => Some(gx::Number { value: number.value, format }),
+            Err(_) => return -GX_RC_ERROR_GENERIC,
         },
         _ => None,
     };
-    let Some(room) = room else { return -GX_RC_ERROR_GENERIC };
-    // SAFETY: the core only writes to it, and tells how many bytes from its beginning.
-    let room = unsafe { &mut *(core::ptr::from_mut(room) as *mut [u8]) };
-    match write(number, room) {
-        Ok(length) => int(length),
-        Err(EncodeError::Range) => -GX_RC_RANGE,
-        Err(EncodeError::Room) => -GX_RC_OVERFLOW,
-        Err(EncodeError::Empty) => -GX_RC_ERROR_GENERIC,
+    match room.map(|room| write(number, room)) {
+        Some(Ok(length)) => int(length),
+        Some(Err(EncodeError::Range)) => -GX_RC_RANGE,
+        Some(Err(EncodeError::Room)) => -GX_RC_OVERFLOW,
+        Some(Err(EncodeError::Empty)) | None => -GX_RC_ERROR_GENERIC,
     }
 }

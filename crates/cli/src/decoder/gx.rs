@@ -4,7 +4,7 @@ mod words;
 
 use std::time::Duration;
 
-use deltarobot_protocols::gx::{CommandReceiver, Item, Message, NoticeReceiver};
+use deltarobot_protocols::gx::{self, CommandReceiver, Item, Message, NoticeReceiver};
 use serde_json::json;
 
 use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
@@ -74,27 +74,33 @@ impl Reader {
         }
     }
 
-    /// Whether the byte was taken.
-    fn take(&mut self, byte: u8, item: &mut Item) -> bool {
-        let taken = match self {
-            Self::Motion(receiver) => receiver.receive(&[byte], item),
-            Self::Host(receiver) => receiver.receive(&[byte], item),
+    /// Whether the byte was taken, and what it completes or ends.
+    fn take(&mut self, byte: u8) -> (bool, Option<Item>) {
+        let (taken, kind) = match self {
+            Self::Motion(receiver) => receiver.receive(&[byte]),
+            Self::Host(receiver) => receiver.receive(&[byte]),
         };
-        taken == 1
+        (taken == 1, kind.map(|kind| self.item(kind)))
     }
 
-    fn idle(&mut self, item: &mut Item) {
+    fn idle(&mut self) -> Option<Item> {
+        let kind = match self {
+            Self::Motion(receiver) => receiver.idle(),
+            Self::Host(receiver) => receiver.idle(),
+        };
+        kind.map(|kind| self.item(kind))
+    }
+
+    fn item(&self, kind: gx::Kind) -> Item {
         match self {
-            Self::Motion(receiver) => receiver.idle(item),
-            Self::Host(receiver) => receiver.idle(item),
+            Self::Motion(receiver) => receiver.item(kind),
+            Self::Host(receiver) => receiver.item(kind),
         }
     }
 
-    /// What it would tell if nothing followed.
-    fn pending(&self) -> Item {
-        let mut item = Item::new();
-        self.clone().idle(&mut item);
-        item
+    /// What it would report if nothing followed.
+    fn pending(&self) -> Option<Message> {
+        self.clone().idle().map(|item| item.message)
     }
 }
 
@@ -168,23 +174,23 @@ impl Lane {
     }
 
     fn read(&mut self, from: Option<Side>, byte: u8, found: &mut Vec<Piece>) {
-        let mut item = Item::new();
-        if !self.reader.take(byte, &mut item) {
-            self.tell(from, &item, found);
+        let (is_taken, item) = self.reader.take(byte);
+        if !is_taken {
+            self.tell(from, item, found);
             // What ends one thing begins another, of which nothing is known.
             self.begin_or_go_on(from, byte, found);
             return;
         }
         self.bytes.push(byte);
-        if item.message().is_some() {
-            self.tell(from, &item, found);
+        if item.is_some() {
+            self.tell(from, item, found);
         } else if byte == ESC {
             self.tell_garbage(from, found);
             let json = json!({ "kind": "clear", "bytes": hex(&self.bytes) });
             found.push(Piece::new(from, Kind::Message("clear".into()), "clear".into(), json));
             self.bytes.clear();
             self.is_skipping = false;
-        } else if self.reader.pending().message().is_none() {
+        } else if self.reader.pending().is_none() {
             // What belongs to nothing: the rest of what was malformed, or what separates two things.
             if !byte.is_ascii_whitespace() {
                 self.garbage.append(&mut self.bytes);
@@ -199,19 +205,18 @@ impl Lane {
         if !self.undecided.is_empty() && (gives_up || matches!(self.undecided.as_slice(), [_, PACKED..=0xFF, _])) {
             self.decide(from, Side::Controller, found);
         }
-        if gives_up || matches!(self.reader.pending().message(), Some(Message::Completed)) {
-            let mut item = Item::new();
-            self.reader.idle(&mut item);
-            self.tell(from, &item, found);
+        if gives_up || self.reader.pending() == Some(Message::Completed) {
+            let item = self.reader.idle();
+            self.tell(from, item, found);
         }
         self.tell_garbage(from, found);
     }
 
     /// Tells what the bytes until here are.
-    fn tell(&mut self, from: Option<Side>, item: &Item, found: &mut Vec<Piece>) {
+    fn tell(&mut self, from: Option<Side>, item: Option<Item>, found: &mut Vec<Piece>) {
         let bytes = std::mem::take(&mut self.bytes);
-        let Some(message) = item.message() else { return };
-        if let Message::Malformed(code) = message {
+        let Some(item) = item else { return };
+        if let Message::Malformed(code) = item.message {
             self.garbage.extend(bytes);
             self.codes.push(code);
             self.is_skipping = true;
@@ -219,7 +224,7 @@ impl Lane {
         }
         self.tell_garbage(from, found);
         self.is_skipping = false;
-        found.push(piece(self.reader.side(), item, &message, &bytes));
+        found.push(piece(self.reader.side(), &item, &bytes));
     }
 
     fn tell_garbage(&mut self, from: Option<Side>, found: &mut Vec<Piece>) {

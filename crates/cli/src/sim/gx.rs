@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use deltarobot_protocols::gx::motion::{Motion, STOPPED, Settings};
-use deltarobot_protocols::gx::{AXES, ENCODED_MAX, POSITION_MAX, Vector};
+use deltarobot_protocols::gx::motion::{Motion, Settings};
+use deltarobot_protocols::gx::{AXES, ENCODED_MAX, Fault, POSITION_MAX, Vector};
 
 use super::{Machine, above_zero, milliseconds};
 
@@ -40,8 +40,11 @@ impl AxesOptions {
     }
 }
 
+/// Moves that the machine queues.
+const QUEUE: usize = 16;
+
 pub(super) struct Axes {
-    motion: Motion,
+    motion: Motion<QUEUE>,
     machine: Moving,
 }
 
@@ -52,7 +55,8 @@ impl Axes {
             only_in_order: options.only_in_order.into(),
             ..Settings::new()
         };
-        let mut axes = Self { motion: Motion::new(settings), machine: Moving::new(options) };
+        let mut axes = Self { motion: Motion::new(), machine: Moving::new(options) };
+        axes.motion.set(settings);
         axes.motion.set_position(&axes.machine.position());
         axes
     }
@@ -64,7 +68,7 @@ impl Axes {
         while self.motion.poll(now).is_some() {}
         let mut room = [0; ENCODED_MAX];
         loop {
-            match self.motion.output(&mut room, ENCODED_MAX, now) {
+            match self.motion.output(&mut room, now) {
                 0 => break,
                 length => out.extend_from_slice(room.get(..length).unwrap_or_default()),
             }
@@ -85,7 +89,7 @@ impl Axes {
                     seconds = left;
                 }
                 Turned::Stopped => {
-                    self.motion.stop(STOPPED);
+                    self.motion.stop(Fault::Stopped as u8);
                     break;
                 }
             }

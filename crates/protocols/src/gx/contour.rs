@@ -1,7 +1,10 @@
 //! A path as the shortest stream of commands.
 
-use super::command::{AXES, MASK_AXES, Number, Vector};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
+
 use super::encoder::{EncodeError, write_shortest};
+use super::message::Number;
+use super::vector::{AXES, MASK_AXES, Vector};
 
 /// Writes a path: each position of a list is one command, the shortest that leads there from the one before.
 ///
@@ -10,8 +13,7 @@ use super::encoder::{EncodeError, write_shortest};
 /// commands, each with [`Vector::follow`], gets the same list.
 ///
 /// All zero: the path is of no axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Contour {
     /// The axes of the path and its velocity, if it has one.
     target: Vector,
@@ -28,13 +30,13 @@ impl Contour {
         Self { target, at: Vector::new() }
     }
 
-    /// Makes it a path of other axes; tells whether it has any.
+    /// Makes it a path of other axes; returns whether it has any.
     pub const fn set_axes(&mut self, axes: u8) -> bool {
         self.target.mask = axes & MASK_AXES;
         self.target.mask != 0
     }
 
-    /// Where the machine is, and how fast it was told to move, as far as the mask says so.
+    /// Sets where the machine is, and how fast it was told to move, as far as the mask says so.
     pub fn starts_at(&mut self, start: &Vector) {
         self.at.copy(start);
     }
@@ -44,7 +46,7 @@ impl Contour {
         self.at.mask = 0;
     }
 
-    /// Writes the command that leads to the next position, and tells its length in bytes. Axes that are not the path's
+    /// Writes the command that leads to the next position; returns its length in bytes. Axes that are not the path's
     /// are ignored; without a velocity, that of the last segment holds.
     ///
     /// # Errors
@@ -69,14 +71,7 @@ impl Contour {
         self.flag(axes, wanted.filter(|_| wanted != self.at.velocity()));
         let written = write_shortest(number, &self.target, &self.at, room);
         if written.is_ok() {
-            for axis in 0..AXES {
-                if let Some(value) = self.target.axis(axis) {
-                    self.at.set(axis, value);
-                }
-            }
-            if let Some(velocity) = self.target.velocity() {
-                self.at.set_velocity(velocity);
-            }
+            self.at.merge(&self.target);
         }
         self.flag(axes, if written.is_ok() { wanted } else { before });
         written
@@ -93,7 +88,7 @@ impl Contour {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CommandReceiver, ENCODED_MAX, Item, POSITION_MAX, POSITION_MIN};
+    use super::super::{CommandReceiver, ENCODED_MAX, Kind, POSITION_MAX, POSITION_MIN};
     use super::*;
     use proptest::prelude::*;
     use std::vec::Vec;
@@ -117,7 +112,7 @@ mod tests {
             velocities in prop::collection::vec(prop::option::of(0..=16383_u16), 40),
         ) {
             let mut contour = Contour::new(axes);
-            let (mut receiver, mut item) = (CommandReceiver::new(), Item::new());
+            let mut receiver = CommandReceiver::new();
             let (mut here, mut decoded) = ([0_i32; AXES], Vector::new());
             for (step, velocity) in path.iter().zip(&velocities) {
                 for (place, (near, value)) in here.iter_mut().zip(step) {
@@ -125,8 +120,9 @@ mod tests {
                 }
                 let mut room = [0; ENCODED_MAX];
                 let length = contour.segment(None, &here, *velocity, &mut room).unwrap();
-                prop_assert_eq!(receiver.receive(&room[..length], &mut item), length);
-                prop_assert_eq!(decoded.follow(&item.message().unwrap()), Ok(()));
+                let (taken, kind) = receiver.receive(&room[..length]);
+                prop_assert_eq!(taken, length);
+                prop_assert_eq!(decoded.follow(receiver.vector(), kind == Some(Kind::Step)), Ok(()));
                 for axis in (0..AXES).filter(|axis| axes >> axis & 1 == 1) {
                     prop_assert_eq!(decoded.axis(axis), Some(here[axis]));
                 }

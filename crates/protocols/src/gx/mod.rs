@@ -2,7 +2,7 @@
 //! fewest bytes, beside their ASCII form.
 //!
 //! ```
-//! use deltarobot_protocols::gx::{CommandReceiver, Item, Message, Vector, write_step};
+//! use deltarobot_protocols::gx::{CommandReceiver, Kind, Vector, write_step};
 //!
 //! let mut deltas = Vector::new();
 //! deltas.set(0, 1);
@@ -11,30 +11,28 @@
 //! assert_eq!(write_step(None, &deltas, &mut room), Ok(4));
 //! assert_eq!(room, *b"\x2A\x83\x81\xFF");
 //!
-//! let (mut receiver, mut item) = (CommandReceiver::new(), Item::new());
-//! assert_eq!(receiver.receive(&room, &mut item), 4);
-//! assert_eq!(item.message(), Some(Message::Step(&deltas)));
+//! let mut receiver = CommandReceiver::new();
+//! assert_eq!(receiver.receive(&room), (4, Some(Kind::Step)));
+//! assert_eq!(receiver.vector(), &deltas);
 //! ```
-#![forbid(unsafe_code)]
 
-mod command;
 mod contour;
 mod encoder;
 pub mod host;
+mod item;
+mod message;
 pub mod motion;
 mod packed;
 mod receiver;
-mod scanner;
-mod whole;
+mod vector;
 
-pub use command::{AXES, Fault, Format, Item, Lost, MASK_AXES, MASK_VELOCITY, Message, Number, NumberField, Vector};
-pub use command::{COMPLETED, MALFORMED, MOVE, POSITION, REFUSED, REPORTING, STEP};
 pub use contour::Contour;
-use encoder::fitting;
 pub use encoder::{
     ENCODED_MAX, EncodeError, write_completed, write_move, write_position, write_refused, write_reporting,
     write_shortest, write_step,
 };
+pub use item::{Item, Message};
+pub use message::{CODE_FREE, Fault, Format, Kind, Number, Numbered};
 pub use packed::{CODE_MAX, DELTA_MAX, DELTA_MIN, NUMBER_MAX, PERIOD_MAX, POSITION_MAX, POSITION_MIN, VELOCITY_MAX};
-pub use receiver::{CommandReceiver, NoticeReceiver};
-pub use scanner::Scanner;
+pub use receiver::{CommandReceiver, NoticeReceiver, Receiver};
+pub use vector::{AXES, Lost, MASK_AXES, MASK_VELOCITY, Vector};

@@ -1,8 +1,6 @@
 //! Numbers as bytes with the high bit set: seven bits each, the least significant group first (the proposal's
 //! `PackIntoCPPacked7`, `14` and `28`).
 
-use core::ops::RangeInclusive;
-
 /// The high bit, by which binary values differ from everything that is ASCII.
 pub const HIGH: u8 = 0x80;
 /// Positions that 28 bits hold, in steps.
@@ -22,10 +20,17 @@ pub const PERIOD_MAX: u16 = 0x3FFF;
 /// The largest code of an error notice: 7 bits.
 pub const CODE_MAX: u8 = 0x7F;
 
-/// All positions.
-pub const POSITIONS: RangeInclusive<i32> = POSITION_MIN..=POSITION_MAX;
-/// The deltas that are written.
-pub const DELTAS: RangeInclusive<i32> = -DELTA_MAX..=DELTA_MAX;
+/// Whether 28 bits hold a position.
+#[inline(always)]
+pub const fn is_position(value: i32) -> bool {
+    value.wrapping_sub(POSITION_MIN).cast_unsigned() >> 28 == 0
+}
+
+/// Whether a delta can be written.
+#[inline(always)]
+pub const fn is_delta(value: i32) -> bool {
+    value.wrapping_add(DELTA_MAX).cast_unsigned() <= 2 * DELTA_MAX.cast_unsigned()
+}
 
 /// The lowest seven bits.
 #[inline(always)]
@@ -60,36 +65,40 @@ pub const fn push(bytes: u32, byte: u8) -> u32 {
     bytes >> 8 | (byte as u32) << 24
 }
 
-/// The high bits of the four bytes of a position.
-pub const FOUR_HIGH: u32 = 0x8080_8080;
-
 /// The groups of four bytes, the first one lowest, next to each other: 28 bits.
 #[inline(always)]
-pub const fn unpack28(bytes: u32) -> u32 {
+const fn unpack28(bytes: u32) -> u32 {
     let pairs = bytes & 0x007F_007F | bytes >> 1 & 0x3F80_3F80;
     pairs & 0x3FFF | pairs >> 2 & 0x0FFF_C000
 }
 
-/// The signed value that the last group, or all four, make.
+/// The signed value of the last of the bytes.
 #[inline(always)]
-pub const fn signed(groups: u32, is_delta: bool) -> i32 {
-    let top = (groups << 4).cast_signed();
-    if is_delta { top >> 25 } else { top >> 4 }
+#[expect(clippy::cast_possible_truncation, reason = "the highest of four bytes")]
+pub const fn signed7(bytes: u32) -> i32 {
+    (((bytes >> 24) as u8) << 1).cast_signed() as i32 >> 1
 }
 
-/// The value of 14 bits that the last two groups make.
+/// The signed value of the four bytes.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "14 bits")]
-pub const fn unsigned14(groups: u32) -> u16 {
-    (groups >> 14) as u16 & VELOCITY_MAX
+pub const fn signed28(bytes: u32) -> i32 {
+    (unpack28(bytes) << 4).cast_signed() >> 4
+}
+
+/// The value of 14 bits of the last two bytes.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the higher half")]
+pub const fn unsigned14(bytes: u32) -> u16 {
+    let pair = (bytes >> 16) as u16;
+    pair & 0x7F | pair >> 1 & 0x3F80
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn unpack(bytes: &[u8]) -> u32 {
-        unpack28(bytes.iter().fold(0, |bytes, byte| push(bytes, *byte)))
+    fn pushed(bytes: &[u8]) -> u32 {
+        bytes.iter().fold(0, |bytes, byte| push(bytes, *byte))
     }
 
     #[test]
@@ -104,17 +113,17 @@ mod tests {
             (2_097_152, [0x80, 0x80, 0x80, 0x81]),
         ] {
             assert_eq!(pack28(value), bytes, "{value}");
-            assert_eq!(signed(unpack(&bytes), false), value);
+            assert_eq!(signed28(pushed(&bytes)), value);
         }
     }
 
     #[test]
     fn every_delta_and_every_velocity() {
         for delta in DELTA_MIN..=DELTA_MAX {
-            assert_eq!(signed(unpack(&[pack7(delta)]), true), delta);
+            assert_eq!(signed7(pushed(&[pack7(delta)])), delta);
         }
         for velocity in 0..=VELOCITY_MAX {
-            assert_eq!(unsigned14(unpack(&pack14(velocity))), velocity);
+            assert_eq!(unsigned14(pushed(&pack14(velocity))), velocity);
         }
         assert_eq!(pack14(1000), [0xE8, 0x87]);
     }

@@ -1,91 +1,390 @@
 //! The receivers of both ends: bytes in any portions go in, commands or notices come out.
+//!
+//! The proposal fixes the binary forms. What it leaves open is decided here:
+//!
+//! - Space, CR and LF outside a command mean nothing. ESC forgets what has come, without a word.
+//! - A byte without the high bit where a packed one is due ends the command, as malformed; the byte is looked at again,
+//!   as it may be the first of the next. `!`, `*`, `#` and `~` (of notices: `#`, `=` and `?`) do the same in the middle
+//!   of anything: they stand nowhere else.
+//! - Malformed ASCII is reported at the byte that is wrong, and skipped up to the end of the line. Behind malformed
+//!   binary (or stray packed bytes), packed bytes are skipped.
+//! - A broken number is reported as malformed at the byte that breaks it, and the rest of the line skipped with it. `!`,
+//!   `*` and the others that stand nowhere else clear it as they clear anything, so what begins there is delivered,
+//!   without a number.
+//! - ASCII: words in any order, spaces between them; a sign before the digits of an axis; any number of leading zeros,
+//!   and so lines of any length, as nothing of them is kept.
 
-use super::command::Item;
-use super::scanner::{IDLE, Scanner};
-use super::whole;
-use crate::config::FAST;
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-/// Receives commands: the motion side's. All zero is a new one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
-pub struct CommandReceiver {
-    scanner: Scanner,
+use super::message::{Fault, Format, Kind, Number, Numbered};
+use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, low, push, signed7, signed28, unsigned14};
+use super::vector::{MASK_AXES, MASK_VELOCITY, Vector};
+
+mod text;
+
+use text::{is_end, word};
+
+pub(super) const ESC: u8 = 0x1B;
+
+// States. Any other byte stands for IDLE too.
+/// Between commands.
+const IDLE: u8 = 0;
+/// Behind a number.
+const NUMBERED: u8 = 1;
+/// Behind `#`, behind the first of two packed bytes, in digits.
+const NUMBER: u8 = 2;
+const NUMBER_PACKED: u8 = 3;
+const NUMBER_DIGITS: u8 = 4;
+/// The mask is due; the packed bytes of a value.
+const MASK: u8 = 5;
+const VALUE: u8 = 6;
+/// In ASCII: between words, behind a letter, behind a sign, in digits.
+const WORDS: u8 = 7;
+const LETTER: u8 = 8;
+const SIGN: u8 = 9;
+const DIGITS: u8 = 10;
+/// Behind `=`.
+const REPORT: u8 = 11;
+/// Behind `?`, and in digits.
+const CODE: u8 = 12;
+const CODE_DIGITS: u8 = 13;
+/// Behind a malformed command.
+const SKIP_PACKED: u8 = 14;
+const SKIP_LINE: u8 = 15;
+
+/// Receives commands: the motion side's.
+pub type CommandReceiver = Receiver<false>;
+/// Receives notices: the host's.
+pub type NoticeReceiver = Receiver<true>;
+
+/// What has come of a command or notice. All zero is a new receiver.
+#[derive(Clone, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+pub struct Receiver<const NOTICES: bool> {
+    /// Axes and velocity so far; as the velocity, the period of reports too.
+    vector: Vector,
+    /// The value that is being read, packed groups or decimal digits; then the code.
+    value: u32,
+    number: Numbered,
+    state: u8,
+    /// The first byte of what is binary; 0: it is ASCII.
+    start: u8,
+    /// Flags of the binary values still to come. In ASCII: 1 behind a minus.
+    left: u8,
+    /// Packed bytes of the value still to come. In ASCII: the number of the word.
+    place: u8,
 }
 
-/// Receives notices: the host's. All zero is a new one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
-pub struct NoticeReceiver {
-    scanner: Scanner,
+/// What became of a byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// It was taken.
+    Taken,
+    /// It was taken and completes this.
+    Done(Kind),
+    /// It is not part of this, which ends before it.
+    Before(Kind),
 }
 
-impl CommandReceiver {
+impl<const NOTICES: bool> Receiver<NOTICES> {
     /// A receiver that has received nothing.
     #[must_use]
     pub const fn new() -> Self {
-        Self { scanner: Scanner::new() }
+        Self { vector: Vector::new(), value: 0, number: Numbered::NONE, state: IDLE, start: 0, left: 0, place: 0 }
     }
 
-    /// Takes bytes up to the end of a command, and tells how many: all of them if none ends there, and then the item
-    /// holds no message. A malformed command may end before the first of them, so call again as long as bytes are left,
-    /// also if none was taken.
+    /// Takes bytes up to the end of a command or notice; returns how many, and its kind. All of them are taken if none
+    /// ends there. A malformed command may end before the first of them, so call again as long as bytes are left, also
+    /// if none was taken.
     ///
-    /// Each malformed command is one [`Malformed`](super::Message::Malformed), with its number if that was complete.
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    pub fn receive(&mut self, bytes: &[u8], item: &mut Item) -> usize {
-        if FAST && self.scanner.state == IDLE {
-            match whole::read_frequent(bytes, item) {
-                None => return self.receive_other(bytes, item),
-                Some(0) => (),
-                Some(taken) => return taken,
+    /// Each malformed command is one [`Kind::Malformed`], with its number if that was complete. A packed number is a
+    /// whole notice, but may be the beginning of an error notice too: it is reported when the next byte has come, or
+    /// the line is [`idle`](Self::idle).
+    #[inline]
+    pub fn receive(&mut self, bytes: &[u8]) -> (usize, Option<Kind>) {
+        let mut rest = bytes;
+        self.begin_call();
+        while let Some((byte, behind)) = rest.split_first() {
+            let step = if self.state == VALUE && *byte >= HIGH { self.packed(*byte) } else { self.step(*byte) };
+            match step {
+                Step::Taken => rest = behind,
+                Step::Done(kind) => return (bytes.len().wrapping_sub(behind.len()), Some(kind)),
+                Step::Before(kind) => return (bytes.len().wrapping_sub(rest.len()), Some(kind)),
             }
         }
-        self.scanner.scan::<false>(bytes, item)
+        (bytes.len(), None)
     }
 
-    /// Not inlined, which leaves registers to what is frequent.
-    #[inline(never)]
-    fn receive_other(&mut self, bytes: &[u8], item: &mut Item) -> usize {
-        let taken = whole::read_row(bytes, item);
-        if taken == 0 { self.scanner.scan::<false>(bytes, item) } else { taken }
+    /// [`receive`](Self::receive) of one byte.
+    pub(super) fn receive_byte(&mut self, byte: u8) -> Step {
+        self.begin_call();
+        self.step(byte)
     }
 
-    /// To be called when the line has been quiet for longer than a command takes: what is incomplete is given up, and
-    /// told as malformed.
-    pub fn idle(&mut self, item: &mut Item) {
-        self.scanner.idle::<false>(item);
+    /// To be called when the line has been quiet for longer than a command takes: what is incomplete is given up and
+    /// reported as malformed; of notices, a number that could have become an error notice is a completion.
+    pub fn idle(&mut self) -> Option<Kind> {
+        let state = self.state;
+        let is_packed = matches!(state, NUMBER_PACKED | MASK | VALUE)
+            || state == NUMBERED && self.number.format() == Format::Binary;
+        self.state = IDLE;
+        if !matches!(state, NUMBERED..=CODE_DIGITS) {
+            return None;
+        }
+        if NOTICES && state == NUMBERED && is_packed {
+            return Some(Kind::Completed);
+        }
+        Some(self.malformed(Fault::Interrupted, is_packed))
     }
 
     /// Forgets what has come of a command, as ESC does.
     pub fn reset(&mut self) {
-        self.scanner.forget();
+        self.state = IDLE;
+    }
+
+    /// The values of what was found: positions, deltas, or a velocity alone. Only those that its mask flags count.
+    #[must_use]
+    pub const fn vector(&self) -> &Vector {
+        &self.vector
+    }
+
+    /// The number in front of what was found.
+    #[must_use]
+    pub const fn number(&self) -> Option<Number> {
+        self.number.get()
+    }
+
+    pub(super) const fn numbered(&self) -> Numbered {
+        self.number
+    }
+
+    /// How it was written; not that of a completion, which is its number's.
+    #[must_use]
+    pub const fn format(&self) -> Format {
+        if self.start == 0 { Format::Ascii } else { Format::Binary }
+    }
+
+    /// The code of what is [`Refused`](Kind::Refused) or [`Malformed`](Kind::Malformed).
+    #[must_use]
+    pub const fn code(&self) -> u8 {
+        low(self.value)
+    }
+
+    /// The period of reports that is asked for, in milliseconds.
+    #[must_use]
+    pub const fn period(&self) -> u16 {
+        self.vector.velocity
+    }
+
+    /// The number of what was found before is held until then.
+    #[inline]
+    const fn begin_call(&mut self) {
+        if !matches!(self.state, NUMBERED..=CODE_DIGITS) {
+            self.number = Numbered::NONE;
+        }
+    }
+
+    fn step(&mut self, byte: u8) -> Step {
+        let state = self.state;
+        match state {
+            _ if byte == ESC => {
+                self.reset();
+                self.number = Numbered::NONE;
+                Step::Taken
+            }
+            NUMBERED => self.behind_number(byte),
+            NUMBER | NUMBER_PACKED | NUMBER_DIGITS => self.number_byte(byte),
+            MASK if byte >= HIGH => self.mask(byte),
+            VALUE if byte >= HIGH => self.packed(byte),
+            MASK | VALUE => self.refuse(byte, Fault::Syntax, true),
+            WORDS | LETTER | SIGN | DIGITS => self.text(byte),
+            REPORT => self.report(byte),
+            CODE | CODE_DIGITS => self.code_byte(byte),
+            SKIP_PACKED | SKIP_LINE if self.skips(byte, state == SKIP_PACKED) => Step::Taken,
+            _ => {
+                self.state = IDLE;
+                if byte == b' ' || is_end(byte) { Step::Taken } else { self.begin(byte) }
+            }
+        }
+    }
+
+    /// The first byte of a command or notice, behind its number if it has one.
+    fn begin(&mut self, byte: u8) -> Step {
+        let (start, state) = match byte {
+            b'#' => (0, NUMBER),
+            b'=' if NOTICES => (0, REPORT),
+            b'?' if NOTICES => (0, CODE),
+            b'!' | b'*' if !NOTICES => (byte, MASK),
+            b'~' if !NOTICES => {
+                self.left = MASK_VELOCITY;
+                self.place = 2;
+                (byte, VALUE)
+            }
+            _ if !NOTICES && word(byte).is_some() => return self.first_word(byte),
+            _ => return self.refuse(byte, Fault::Unknown, byte >= HIGH),
+        };
+        self.start = start;
+        self.state = state;
+        Step::Taken
+    }
+
+    /// A byte of a number.
+    fn number_byte(&mut self, byte: u8) -> Step {
+        let state = self.state;
+        if byte >= HIGH && state != NUMBER_DIGITS {
+            self.value = push(self.value, byte);
+            self.state = NUMBER_PACKED;
+            if state == NUMBER_PACKED {
+                self.number = Numbered::new(unsigned14(self.value), Format::Binary);
+                self.state = NUMBERED;
+            }
+            return Step::Taken;
+        }
+        if byte.is_ascii_digit() && state != NUMBER_PACKED {
+            return self.digit(byte, NUMBER_DIGITS);
+        }
+        match self.decimal(NUMBER_MAX) {
+            Some(number) if state == NUMBER_DIGITS => {
+                self.number = Numbered::new(number, Format::Ascii);
+                self.state = NUMBERED;
+                self.behind_number(byte)
+            }
+            _ => self.refuse(byte, Fault::Number, state == NUMBER_PACKED),
+        }
+    }
+
+    fn behind_number(&mut self, byte: u8) -> Step {
+        let is_packed = self.number.format() == Format::Binary;
+        match byte {
+            b' ' if !NOTICES => Step::Taken,
+            b'#' if !NOTICES => self.refuse(byte, Fault::Interrupted, is_packed),
+            b'\r' | b'\n' if !NOTICES => self.refuse(byte, Fault::Empty, false),
+            _ if !NOTICES => self.begin(byte),
+            b'?' => self.begin(byte),
+            b'\r' | b'\n' => self.end(Kind::Completed),
+            _ if is_packed => {
+                self.state = IDLE;
+                Step::Before(Kind::Completed)
+            }
+            _ => self.refuse(byte, Fault::Syntax, false),
+        }
+    }
+
+    fn mask(&mut self, byte: u8) -> Step {
+        let mask = byte & !HIGH;
+        if mask == 0 {
+            return self.refuse(byte, Fault::Empty, true);
+        }
+        if NOTICES && mask & MASK_VELOCITY != 0 {
+            return self.refuse(byte, Fault::Syntax, true);
+        }
+        self.vector.mask = mask;
+        self.left = mask;
+        self.place = if mask & MASK_VELOCITY != 0 { 2 } else { self.groups() };
+        self.state = VALUE;
+        Step::Taken
+    }
+
+    /// Packed bytes of an axis.
+    const fn groups(&self) -> u8 {
+        if self.start == b'*' { 1 } else { 4 }
+    }
+
+    /// A byte of a packed value.
+    #[inline]
+    fn packed(&mut self, byte: u8) -> Step {
+        self.value = push(self.value, byte);
+        self.place = self.place.wrapping_sub(1) & 3;
+        if self.place == 0 { self.value_ends() } else { Step::Taken }
+    }
+
+    fn value_ends(&mut self) -> Step {
+        if self.left & MASK_VELOCITY != 0 {
+            self.left &= MASK_AXES;
+            self.vector.velocity = unsigned14(self.value);
+        } else {
+            let axis = self.left.trailing_zeros();
+            let value = if self.start == b'*' { signed7(self.value) } else { signed28(self.value) };
+            self.left &= self.left.wrapping_sub(1);
+            if let Some(place) = self.vector.axes.get_mut(axis as usize) {
+                *place = value;
+            }
+        }
+        if self.left != 0 {
+            self.place = self.groups();
+            return Step::Taken;
+        }
+        self.end(match self.start {
+            b'*' => Kind::Step,
+            b'=' => Kind::Position,
+            b'~' => Kind::Reporting,
+            _ => Kind::Move,
+        })
+    }
+
+    /// A byte behind `=`.
+    fn report(&mut self, byte: u8) -> Step {
+        match byte {
+            b'!' => {
+                self.start = b'=';
+                self.state = MASK;
+                Step::Taken
+            }
+            b'\r' | b'\n' => self.refuse(byte, Fault::Empty, false),
+            HIGH.. => self.refuse(byte, Fault::Syntax, true),
+            _ => self.first_word(byte),
+        }
+    }
+
+    /// A byte of an error notice's code.
+    fn code_byte(&mut self, byte: u8) -> Step {
+        let is_digits = self.state == CODE_DIGITS;
+        match byte {
+            HIGH.. if !is_digits => {
+                self.start = b'?';
+                self.value = byte.into();
+                self.end(Kind::Refused)
+            }
+            b'0'..=b'9' => self.digit(byte, CODE_DIGITS),
+            b'\r' | b'\n' if is_digits && self.value <= CODE_MAX.into() => self.end(Kind::Refused),
+            b'\r' | b'\n' if is_digits => self.refuse(byte, Fault::Range, false),
+            _ => self.refuse(byte, Fault::Syntax, false),
+        }
+    }
+
+    /// The end of something, with its last byte.
+    fn end(&mut self, kind: Kind) -> Step {
+        self.state = IDLE;
+        Step::Done(kind)
+    }
+
+    /// A byte that has no place where it is.
+    fn refuse(&mut self, byte: u8, fault: Fault, is_packed: bool) -> Step {
+        let taken = self.skips(byte, is_packed && fault != Fault::Number);
+        let is_interrupted = !taken && fault == Fault::Syntax && is_start::<NOTICES>(byte);
+        let kind = self.malformed(if is_interrupted { Fault::Interrupted } else { fault }, is_packed);
+        if taken { Step::Done(kind) } else { Step::Before(kind) }
+    }
+
+    fn malformed(&mut self, fault: Fault, is_packed: bool) -> Kind {
+        self.value = fault as u32;
+        self.start = is_packed.into();
+        Kind::Malformed
+    }
+
+    /// Whether a byte goes with something malformed (packed bytes, or a line of text) instead of beginning the next.
+    fn skips(&mut self, byte: u8, is_packed: bool) -> bool {
+        self.state = IDLE;
+        if is_start::<NOTICES>(byte) || is_packed && !NOTICES && word(byte).is_some() {
+            return false;
+        }
+        if !is_end(byte) {
+            self.state = if is_packed && (byte >= HIGH || byte == b' ') { SKIP_PACKED } else { SKIP_LINE };
+        }
+        true
     }
 }
 
-impl NoticeReceiver {
-    /// A receiver that has received nothing.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { scanner: Scanner::new() }
-    }
-
-    /// Takes bytes up to the end of a notice, and tells how many: see [`CommandReceiver::receive`].
-    ///
-    /// A packed number is a whole notice, but may be the beginning of an error notice too: it is told when the next
-    /// byte has come, or the line is [`idle`](Self::idle).
-    #[inline]
-    pub fn receive(&mut self, bytes: &[u8], item: &mut Item) -> usize {
-        self.scanner.scan::<true>(bytes, item)
-    }
-
-    /// To be called when the line has been quiet for longer than a notice takes: a completion that could have become an
-    /// error notice is told, and anything else that is incomplete is given up and told as malformed.
-    pub fn idle(&mut self, item: &mut Item) {
-        self.scanner.idle::<true>(item);
-    }
-
-    /// Forgets what has come of a notice.
-    pub fn reset(&mut self) {
-        self.scanner.forget();
-    }
+/// Whether a byte stands nowhere but at the beginning of a command, or of a notice.
+const fn is_start<const NOTICES: bool>(byte: u8) -> bool {
+    if NOTICES { matches!(byte, b'#' | b'=' | b'?') } else { matches!(byte, b'!' | b'*' | b'#' | b'~') }
 }

@@ -1,6 +1,6 @@
 //! Commands and notices in words, and as JSON.
 
-use deltarobot_protocols::gx::{AXES, Format, Item, MASK_AXES, Message, Vector, motion};
+use deltarobot_protocols::gx::{AXES, Fault, Format, Item, MASK_AXES, Message, Vector};
 use serde_json::{Value, json};
 
 use crate::decoder::{Kind, Piece};
@@ -11,7 +11,8 @@ use crate::recording::Side;
 const NAMES: [&str; AXES] = ["x", "y", "z", "a", "b", "c"];
 
 /// What a command or notice says.
-pub(super) fn piece(from: Side, item: &Item, message: &Message, bytes: &[u8]) -> Piece {
+pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
+    let message = &item.message;
     let (name, said) = match message {
         Message::Move(vector) if vector.mask & MASK_AXES == 0 => ("velocity", axes(vector, false)),
         Message::Move(vector) => ("move", axes(vector, false)),
@@ -23,14 +24,14 @@ pub(super) fn piece(from: Side, item: &Item, message: &Message, bytes: &[u8]) ->
         Message::Position(vector) => ("position", axes(vector, false)),
         Message::Malformed(code) => ("malformed", format!("  {}", reason(*code))),
     };
-    let number = item.number().map_or(String::new(), |number| format!("#{} ", number.value));
-    let remark = if item.format() == Format::Ascii { " (ASCII)" } else { "" };
+    let number = item.number.map_or(String::new(), |number| format!("#{} ", number.value));
+    let remark = if item.format == Format::Ascii { " (ASCII)" } else { "" };
 
     let mut json = json!({
         "kind": name,
-        "format": format_name(item.format()),
-        "number": item.number().map(|number| number.value),
-        "number_format": item.number().map(|number| format_name(number.format)),
+        "format": format_name(item.format),
+        "number": item.number.map(|number| number.value),
+        "number_format": item.number.map(|number| format_name(number.format)),
         "bytes": hex(bytes),
     });
     let more = match message {
@@ -70,22 +71,24 @@ const fn format_name(format: Format) -> &'static str {
 
 /// What an error notice's code means.
 pub(super) fn reason(code: u8) -> String {
-    let words = match code {
-        1 => "no command begins like that",
-        2 => "no number",
-        3 => "interrupted",
-        4 => "out of place",
-        5 => "nothing in it",
-        6 => "an axis or the velocity twice",
-        7 => "out of range",
-        8 => "leads too far, or from an unknown position",
-        9 => "no room",
-        motion::ORDER => "not the next number",
-        motion::CLOSED => "no session",
-        motion::NUMBERLESS => "without a number",
-        motion::AXIS => "no such axis",
-        motion::STOPPED => "stopped",
-        _ => return format!("error {code}"),
-    };
-    format!("{words} (error {code})")
+    const REASONS: [(Fault, &str); 14] = [
+        (Fault::Unknown, "no command begins like that"),
+        (Fault::Number, "no number"),
+        (Fault::Interrupted, "interrupted"),
+        (Fault::Syntax, "out of place"),
+        (Fault::Empty, "nothing in it"),
+        (Fault::Repeated, "an axis or the velocity twice"),
+        (Fault::Range, "out of range"),
+        (Fault::Limit, "leads too far, or from an unknown position"),
+        (Fault::Busy, "no room"),
+        (Fault::Order, "not the next number"),
+        (Fault::Closed, "no session"),
+        (Fault::Numberless, "without a number"),
+        (Fault::Axis, "no such axis"),
+        (Fault::Stopped, "stopped"),
+    ];
+    match REASONS.iter().find(|(fault, _)| *fault as u8 == code) {
+        Some((_, words)) => format!("{words} (error {code})"),
+        None => format!("error {code}"),
+    }
 }

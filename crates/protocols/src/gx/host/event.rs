@@ -1,8 +1,7 @@
-//! What a host session tells.
-
-use core::ffi::c_uchar;
+//! What a host session reports.
 
 use crate::gx::Vector;
+use crate::session::flags;
 
 /// How a move ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +17,12 @@ pub enum Outcome {
     Dropped = 4,
     /// Nothing is known: no answer for too long, or it lasted too long.
     TimedOut = 5,
-    /// Nothing is known: the motion side has begun anew, or does not take this for a session any more.
+    /// Nothing is known: the motion side was restarted, or does not take this for a session any more.
     Lost = 6,
 }
 
 impl Outcome {
-    pub(super) const fn of(stored: c_uchar) -> Option<Self> {
+    pub(super) const fn of(stored: u8) -> Option<Self> {
         Some(match stored {
             0 => return None,
             1 => Self::Finished,
@@ -36,7 +35,7 @@ impl Outcome {
     }
 }
 
-/// What a session has to tell.
+/// Something that happened in a host session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
     /// The position was reported.
@@ -46,11 +45,11 @@ pub enum Event<'a> {
     Error(u8, Option<u16>),
     /// A session has begun.
     Begun,
-    /// The oldest of the moves that have not been told about yet has ended. The code is that of the error notice, or 0.
+    /// The oldest of the moves whose ends were not fetched has ended. The code is that of the error notice, or 0.
     Ended(Outcome, u8),
 }
 
-// In the order in which they are told.
-pub(super) const TELL_BEGUN: c_uchar = 1;
-pub(super) const TELL_REPORT: c_uchar = 1 << 1;
-pub(super) const TELL_ERROR: c_uchar = 1 << 2;
+flags! {
+    /// The events that wait to be fetched before the ends of moves, in this order.
+    pub(super) enum Pending { Begun, Report, Error }
+}

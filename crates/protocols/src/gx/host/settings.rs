@@ -1,33 +1,31 @@
-//! What a host session can be told to do differently.
+//! What a host session can be told to do differently, and how well its link does.
 
-use core::ffi::{c_int, c_ulong};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::clock::span;
-use crate::config::GX_WINDOW_MAX;
 use crate::gx::{Format, NUMBER_MAX};
+use crate::session::{span, times};
 
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
-#[derive(Clone, Debug, Default)]
-#[repr(C)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Settings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
-    pub answer_ms: c_ulong,
+    pub answer_ms: u32,
     /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
-    pub probe_ms: c_ulong,
+    pub probe_ms: u32,
     /// A session is given up when a move takes longer than this from its turn on; by default 120000.
-    pub move_ms: c_ulong,
+    pub move_ms: u32,
     /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
-    pub gap_ms: c_ulong,
+    pub gap_ms: u32,
     /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
     /// before it is given up; by default 8. Below 0: without end.
-    pub attempts: c_int,
-    /// Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
-    /// side queues are refused by it, and sent again.
-    pub window: c_int,
+    pub attempts: i16,
+    /// Most moves that are sent and unfinished at a time, 1 to the session's `WINDOW`; by default that. More than the
+    /// motion side queues are refused by it, and sent again.
+    pub window: u8,
     /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
-    pub ascii: c_int,
+    pub ascii: u8,
     /// The number that the first session begins with, 0 to 16383.
-    pub first_number: c_int,
+    pub first_number: u16,
 }
 
 impl Settings {
@@ -37,42 +35,32 @@ impl Settings {
         Self { answer_ms: 0, probe_ms: 0, move_ms: 0, gap_ms: 0, attempts: 0, window: 0, ascii: 0, first_number: 0 }
     }
 
-    pub(super) fn answer(&self) -> u32 {
+    pub(super) const fn answer(&self) -> u32 {
         span(self.answer_ms, 250)
     }
 
-    pub(super) fn probe(&self) -> u32 {
+    pub(super) const fn probe(&self) -> u32 {
         span(self.probe_ms, 1000)
     }
 
-    pub(super) fn patience(&self) -> u32 {
+    pub(super) const fn move_timeout(&self) -> u32 {
         span(self.move_ms, 120_000)
     }
 
-    pub(super) fn gap(&self) -> u32 {
+    pub(super) const fn gap(&self) -> u32 {
         span(self.gap_ms, 50)
     }
 
     /// Whether something may be tried again that was tried so often.
     pub(super) fn allows(&self, attempts: u8) -> bool {
-        let most = self.attempts();
+        let most = times(self.attempts, 8, 0);
         most == 0 || attempts < most
     }
 
-    /// 0: no limit.
-    fn attempts(&self) -> u8 {
-        match u8::try_from(self.attempts) {
-            Ok(0) => 8,
-            Ok(attempts) => attempts,
-            Err(_) if self.attempts < 0 => 0,
-            Err(_) => u8::MAX,
-        }
-    }
-
-    pub(super) fn window(&self) -> usize {
-        match usize::try_from(self.window) {
-            Ok(window @ 1..=GX_WINDOW_MAX) => window,
-            _ => GX_WINDOW_MAX,
+    pub(super) fn window(&self, size: usize) -> usize {
+        match usize::from(self.window) {
+            0 => size,
+            window => window.min(size),
         }
     }
 
@@ -80,25 +68,67 @@ impl Settings {
         if self.ascii == 0 { Format::Binary } else { Format::Ascii }
     }
 
-    pub(super) fn first_number(&self) -> u16 {
-        u16::try_from(self.first_number).unwrap_or_default() & NUMBER_MAX
+    pub(super) const fn first_number(&self) -> u16 {
+        if self.first_number <= NUMBER_MAX { self.first_number } else { 0 }
+    }
+}
+
+/// Counters of a host session since it began; they wrap.
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+pub struct Health {
+    /// Moves sent, each counted once.
+    pub moves: u32,
+    /// Moves sent again.
+    pub repeats: u32,
+    /// Notices that moves were carried out.
+    pub completions: u32,
+    /// Error notices.
+    pub errors: u32,
+    /// Notices of numbers that nothing unfinished has: late, or sent again.
+    pub strays: u32,
+    /// Position reports.
+    pub reports: u32,
+    /// Malformed notices.
+    pub malformed: u32,
+    /// Answers that did not come in time.
+    pub timeouts: u32,
+    /// Sessions begun.
+    pub sessions: u32,
+}
+
+impl Health {
+    /// Nothing counted yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            moves: 0,
+            repeats: 0,
+            completions: 0,
+            errors: 0,
+            strays: 0,
+            reports: 0,
+            malformed: 0,
+            timeouts: 0,
+            sessions: 0,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Format, GX_WINDOW_MAX, Settings};
-    use core::ffi::{c_int, c_ulong};
+    use super::{Format, Settings};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut it = Settings::new();
-        assert_eq!((it.answer(), it.probe(), it.patience(), it.gap()), (250, 1000, 120_000, 50));
-        assert_eq!((it.attempts(), it.window(), it.format(), it.first_number()), (8, GX_WINDOW_MAX, Format::Binary, 0));
-        (it.answer_ms, it.attempts, it.window, it.ascii, it.first_number) = (c_ulong::MAX, 1000, 1, 2, 16384);
-        assert_eq!((it.answer(), it.attempts(), it.window()), (0x7FFF_FFFF, 255, 1));
+        assert_eq!((it.answer(), it.probe(), it.move_timeout(), it.gap()), (250, 1000, 120_000, 50));
+        assert_eq!((it.window(16), it.format(), it.first_number()), (16, Format::Binary, 0));
+        assert!(it.allows(7) && !it.allows(8));
+        it = Settings { answer_ms: u32::MAX, attempts: 1000, window: 1, ascii: 2, first_number: 16384, ..it };
+        assert_eq!((it.answer(), it.window(16)), (0x7FFF_FFFF, 1));
+        assert!(it.allows(254) && !it.allows(255));
         assert_eq!((it.format(), it.first_number()), (Format::Ascii, 0));
-        (it.attempts, it.window, it.first_number) = (-1, c_int::MAX, -1);
-        assert_eq!((it.attempts(), it.window(), it.first_number()), (0, GX_WINDOW_MAX, 0));
+        it = Settings { attempts: -1, window: 17, ..it };
+        assert!(it.allows(255) && it.window(16) == 16);
     }
 }

@@ -1,104 +1,105 @@
-//! What the time brings about: beginning, asking again, giving up.
+//! What is due by the clock: beginning, asking again, giving up.
 
-use core::ffi::c_ulong;
+use super::{DRAINING, Host, IDLE, Is, OPEN, Outcome, Send};
+use crate::session::{count, left};
 
-use super::{DRAINING, Host, IDLE, OPEN, Outcome};
-use super::{IS_BACK, IS_BUSY, IS_HELD, IS_REPORTING, IS_WARY, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
-use crate::clock::{left, stamp};
-use crate::counter::count;
-
-impl Host {
+impl<const WINDOW: usize> Host<WINDOW> {
     /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        if self.tell != 0 || self.window.has_ended() || self.has_output() {
+        if !self.pending.is_empty() || self.window.has_ended() || self.has_output() {
             return Some(0);
         }
         [self.gap_left(now), self.session_left(now), self.reports_left(now)].into_iter().flatten().min()
     }
 
     fn has_output(&self) -> bool {
-        self.send & (SEND_OPENING | SEND_REPORTING) != 0 || self.to_repeat().is_some() || self.may_send()
+        self.send.has(Send::Handshake)
+            || self.send.has(Send::Reporting)
+            || self.to_retransmit().is_some()
+            || self.may_send()
     }
 
     /// Does what is due. Nothing that was received is left to be looked at.
-    pub(super) fn look_at_the_time(&mut self, now: u32) {
+    pub(super) fn on_timer(&mut self, now: u32) {
         if self.session_left(now) == Some(0) {
             match self.stage {
-                OPEN | DRAINING => self.look_after(now),
-                _ if self.is_opening() => self.ask_again(),
+                OPEN | DRAINING => self.on_session_timer(now),
+                _ if self.is_shaking_hands() => self.ask_again(),
                 _ => {
-                    self.doubts = 0;
+                    self.failed_handshakes = 0;
                     self.begin();
                 }
             }
         }
         if self.reports_left(now) == Some(0) {
             count(&mut self.health.timeouts);
-            self.send |= SEND_REPORTING;
+            self.send.set(Send::Reporting);
         }
     }
 
     pub(super) fn gap_left(&self, now: u32) -> Option<u32> {
-        (self.is & IS_BUSY != 0).then(|| left(now, self.arrived_at, self.settings.gap()))
+        (self.is.has(Is::Busy)).then(|| left(now, self.arrived_at, self.settings.gap()))
     }
 
-    pub(super) fn answer_left(&self, now: u32, since: c_ulong) -> u32 {
+    pub(super) fn answer_left(&self, now: u32, since: u32) -> u32 {
         left(now, since, self.settings.answer())
     }
 
     fn session_left(&self, now: u32) -> Option<u32> {
         match self.stage {
             OPEN | DRAINING if self.window.oldest().is_some() => {
-                let patience = left(now, self.progressed_at, self.settings.patience());
+                let timeout = left(now, self.progressed_at, self.settings.move_timeout());
                 let due = [self.back_left(now), self.hold_left(now), self.probe_left(now)];
-                due.into_iter().flatten().min().map_or(Some(patience), |due| Some(due.min(patience)))
+                due.into_iter().flatten().min().map_or(Some(timeout), |due| Some(due.min(timeout)))
             }
             OPEN => None,
             DRAINING => Some(0),
-            _ if self.is_opening() => (self.send & SEND_OPENING == 0).then(|| self.answer_left(now, self.asked_at)),
+            _ if self.is_shaking_hands() => {
+                (!self.send.has(Send::Handshake)).then(|| self.answer_left(now, self.asked_at))
+            }
             _ => self.window.waits().then_some(0),
         }
     }
 
     /// How long until moves may be sent again because of an error: it may be about what was sent again just before.
     fn back_left(&self, now: u32) -> Option<u32> {
-        let wary = self.is & IS_WARY != 0;
-        (self.is & IS_BACK != 0).then(|| if wary { self.answer_left(now, self.went_back_at) } else { 0 })
+        let went_back = self.is.has(Is::WentBack);
+        (self.is.has(Is::GoingBack)).then(|| if went_back { self.answer_left(now, self.went_back_at) } else { 0 })
     }
 
     fn hold_left(&self, now: u32) -> Option<u32> {
-        (self.is & IS_HELD != 0).then(|| self.answer_left(now, self.held_at))
+        (self.is.has(Is::Held)).then(|| self.answer_left(now, self.held_at))
     }
 
     fn probe_left(&self, now: u32) -> Option<u32> {
-        let waits = self.to_repeat().is_none() && self.is & IS_HELD == 0;
+        let waits = self.to_retransmit().is_none() && !self.is.has(Is::Held);
         waits.then(|| {
             let span = self.settings.probe();
             left(now, self.asked_at, span).max(left(now, self.progressed_at, span))
         })
     }
 
-    fn look_after(&mut self, now: u32) {
+    fn on_session_timer(&mut self, now: u32) {
         let Some(oldest) = self.window.oldest() else {
             // Nothing that was accepted is left.
             self.stage = IDLE;
             return;
         };
         if self.hold_left(now) == Some(0) {
-            self.is &= !IS_HELD;
+            self.is.clear(Is::Held);
         }
-        let is_over = if left(now, self.progressed_at, self.settings.patience()) == 0 {
+        let is_over = if left(now, self.progressed_at, self.settings.move_timeout()) == 0 {
             true
         } else if self.back_left(now) == Some(0) {
-            self.is &= !IS_BACK;
-            self.is |= IS_WARY;
-            self.went_back_at = stamp(now);
+            self.is.clear(Is::GoingBack);
+            self.is.set(Is::WentBack);
+            self.went_back_at = now;
             self.cursor = oldest;
             self.gives_up()
         } else if self.probe_left(now) == Some(0) {
-            self.send |= SEND_PROBE;
+            self.send.set(Send::Probe);
             self.gives_up()
         } else {
             false
@@ -109,7 +110,10 @@ impl Host {
     }
 
     fn reports_left(&self, now: u32) -> Option<u32> {
-        let waits = self.is & IS_REPORTING != 0 && self.period != 0 && self.send & (SEND_REPORTING | SEND_OPENING) == 0;
+        let waits = self.is.has(Is::Reporting)
+            && self.period != 0
+            && !self.send.has(Send::Reporting)
+            && !self.send.has(Send::Handshake);
         waits.then(|| left(now, self.reports_at, self.settings.answer().saturating_add(self.period.into())))
     }
 

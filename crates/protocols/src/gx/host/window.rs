@@ -1,49 +1,46 @@
-//! The moves that were requested and whose ends were not told yet.
+//! The moves that were requested and whose ends were not fetched yet.
 
-use core::ffi::{c_uchar, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::event::Outcome;
-use crate::config::GX_WINDOW_MAX;
 use crate::gx::{MASK_AXES, MASK_VELOCITY, NUMBER_MAX, Vector};
 
-/// A requested move. Its fields are private.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct Requested {
+/// A requested move.
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
+struct Requested {
     /// Where all axes are after it and the velocity then in force, as far as the mask says that they are known.
     target: Vector,
     /// The mask of what was requested.
-    named: c_uchar,
+    named: u8,
     /// Whether it was sent as absolute positions.
-    absolute: c_uchar,
+    absolute: u8,
     /// 0, or how it ended and why.
-    outcome: c_uchar,
-    code: c_uchar,
+    outcome: u8,
+    code: u8,
 }
 
-/// The requested moves, the oldest first: some that were sent, then some that were not. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Window {
-    moves: [Requested; GX_WINDOW_MAX],
+/// The requested moves, the oldest first: some that were sent, then some that were not.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Window<const SIZE: usize> {
+    moves: [Requested; SIZE],
     /// Where the last move that is not among them any more leads to.
     base: Vector,
     /// The number of the oldest, if that was sent.
-    first: c_ushort,
-    head: c_uchar,
-    count: c_uchar,
+    first: u16,
+    head: u8,
+    count: u8,
     /// How many have been sent in this session, and have their numbers.
-    sent: c_uchar,
+    sent: u8,
 }
 
-impl Window {
+impl<const SIZE: usize> Window<SIZE> {
     pub(super) const fn new() -> Self {
         const NONE: Requested = Requested { target: Vector::new(), named: 0, absolute: 0, outcome: 0, code: 0 };
-        Self { moves: [NONE; GX_WINDOW_MAX], base: Vector::new(), first: 0, head: 0, count: 0, sent: 0 }
+        Self { moves: [NONE; SIZE], base: Vector::new(), first: 0, head: 0, count: 0, sent: 0 }
     }
 
     pub(super) fn has_room(&self) -> bool {
-        usize::from(self.count) < GX_WINDOW_MAX
+        usize::from(self.count) < SIZE
     }
 
     pub(super) const fn sent(&self) -> u8 {
@@ -90,7 +87,7 @@ impl Window {
         self.sent < self.count && self.at(self.sent).is_some_and(|requested| requested.outcome == 0)
     }
 
-    /// Whether no end is to be told of the oldest move, and it was not sent.
+    /// Whether the oldest move was not sent, and has not ended.
     pub(super) fn waits(&self) -> bool {
         self.sent == 0 && self.has_next()
     }
@@ -137,18 +134,12 @@ impl Window {
     /// The next move has been sent.
     pub(super) fn advance(&mut self) {
         // What it does not name stays where the move before leads to.
-        let mut base = Vector::new();
-        base.copy(self.before(self.sent));
+        let mut target = Vector::new();
+        target.copy(self.before(self.sent));
         let place = self.place(self.sent);
         if let Some(requested) = self.moves.get_mut(place) {
-            for (axis, value) in base.axes.iter().enumerate() {
-                if requested.named >> axis & 1 == 0 && base.has(axis) {
-                    requested.target.set(axis, *value);
-                }
-            }
-            if let Some(velocity) = base.velocity().filter(|_| requested.named & MASK_VELOCITY == 0) {
-                requested.target.set_velocity(velocity);
-            }
+            target.merge(&requested.target);
+            requested.target.copy(&target);
         }
         self.sent = self.sent.wrapping_add(1);
     }
@@ -158,7 +149,7 @@ impl Window {
         for index in from..to.min(self.count) {
             let place = self.place(index);
             if let Some(requested) = self.moves.get_mut(place).filter(|requested| requested.outcome == 0) {
-                (requested.outcome, requested.code) = (outcome as c_uchar, code);
+                (requested.outcome, requested.code) = (outcome as u8, code);
             }
         }
     }
@@ -177,12 +168,12 @@ impl Window {
         self.sent = index;
     }
 
-    /// Whether an end is to be told.
+    /// Whether the end of the oldest is to be fetched.
     pub(super) fn has_ended(&self) -> bool {
         self.count > 0 && self.at(0).is_some_and(|oldest| oldest.outcome != 0)
     }
 
-    /// Takes the oldest move away if it has ended, and tells how.
+    /// Takes the oldest move away if it has ended, and returns how.
     pub(super) fn take_ended(&mut self) -> Option<(Outcome, u8)> {
         let oldest = self.at(0).filter(|_| self.count > 0)?;
         let ended = (Outcome::of(oldest.outcome)?, oldest.code);
@@ -205,7 +196,7 @@ impl Window {
 
     fn place(&self, index: u8) -> usize {
         let place = usize::from(self.head).wrapping_add(usize::from(index));
-        if place < GX_WINDOW_MAX { place } else { place.wrapping_sub(GX_WINDOW_MAX) }
+        if place < SIZE { place } else { place.wrapping_sub(SIZE) }
     }
 
     fn at(&self, index: u8) -> Option<&Requested> {

@@ -1,9 +1,8 @@
-//! What a motion side tells its firmware.
+//! What a motion side reports to its firmware.
 
-use core::ffi::{c_uchar, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::notices::{pack, unpack};
-use crate::gx::Number;
+use crate::gx::{Number, Numbered};
 
 /// Something that happened at the motion side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,56 +19,49 @@ pub enum Event {
     Reporting(u16),
 }
 
-/// An event that was not fetched yet. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Untold {
-    /// Number, or period.
-    value: c_ushort,
-    numbered: c_uchar,
-    code: c_uchar,
-    /// 0: none.
-    kind: c_uchar,
+pub(super) const QUEUED: u8 = 1;
+pub(super) const REPEATED: u8 = 2;
+pub(super) const REFUSED: u8 = 3;
+pub(super) const BEGUN: u8 = 4;
+pub(super) const REPORTING: u8 = 5;
+
+/// The event that was not fetched yet.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Pending {
+    number: Numbered,
+    period: u16,
+    code: u8,
+    /// One of the above; else there is none.
+    kind: u8,
 }
 
-impl Untold {
+impl Pending {
     pub(super) const fn new() -> Self {
-        Self { value: 0, numbered: 0, code: 0, kind: 0 }
+        Self { number: Numbered::NONE, period: 0, code: 0, kind: 0 }
     }
 
     pub(super) const fn is_none(&self) -> bool {
         self.kind == 0
     }
 
-    pub(super) fn put(&mut self, event: Event) {
-        let (kind, number, code) = match event {
-            Event::Queued(number) => (1, number, 0),
-            Event::Repeated(number) => (2, number, 0),
-            Event::Refused(number, code) => (3, number, code),
-            Event::Begun(number) => (4, number, 0),
-            Event::Reporting(_) => (5, None, 0),
-        };
-        (self.value, self.numbered) = pack(number);
-        if let Event::Reporting(period) = event {
-            self.value = period;
-        }
-        (self.kind, self.code) = (kind, code);
+    pub(super) const fn set(&mut self, kind: u8, number: Numbered, code: u8) {
+        (self.kind, self.number, self.code) = (kind, number, code);
     }
 
-    pub(super) fn take(&mut self) -> Option<Event> {
-        let number = unpack(self.value, self.numbered);
-        let event = match self.kind {
-            1 => Event::Queued(number),
-            2 => Event::Repeated(number),
-            3 => Event::Refused(number, self.code),
-            4 => Event::Begun(number),
-            5 => Event::Reporting(self.value),
-            _ => {
-                self.kind = 0;
-                return None;
-            }
-        };
+    pub(super) const fn set_reporting(&mut self, period: u16) {
+        (self.kind, self.period) = (REPORTING, period);
+    }
+
+    pub(super) const fn take(&mut self) -> Option<Event> {
+        let (kind, number) = (self.kind, self.number.get());
         self.kind = 0;
-        Some(event)
+        Some(match kind {
+            QUEUED => Event::Queued(number),
+            REPEATED => Event::Repeated(number),
+            REFUSED => Event::Refused(number, self.code),
+            BEGUN => Event::Begun(number),
+            REPORTING => Event::Reporting(self.period),
+            _ => return None,
+        })
     }
 }

@@ -1,65 +1,44 @@
-//! What is to be told besides the ends of queued moves: errors, and ends that are told again.
+//! What is to be sent besides the ends of queued moves: error notices, and ends that are sent again.
 
-use core::ffi::{c_uchar, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::gx::{Format, Number};
+use crate::gx::{Format, Numbered};
 
-/// A notice, its command's number and format packed. Its fields are private.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct Notice {
-    number: c_ushort,
-    /// What `pack` made of the number's format.
-    numbered: c_uchar,
-    format: c_uchar,
-    /// 0: completed.
-    code: c_uchar,
-}
-
-/// A few notices, the oldest first. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Notices {
-    list: [Notice; 4],
-    count: c_uchar,
-}
-
-/// A number as structs hold it.
-pub(super) const fn pack(number: Option<Number>) -> (c_ushort, c_uchar) {
-    match number {
-        None => (0, 0),
-        Some(Number { value, format }) => (value, format as c_uchar),
-    }
-}
-
-pub(super) const fn unpack(number: c_ushort, numbered: c_uchar) -> Option<Number> {
-    match numbered {
-        0 => None,
-        _ => Some(Number { value: number, format: format_of(numbered) }),
-    }
-}
-
-pub(super) const fn format_of(stored: c_uchar) -> Format {
-    if stored == Format::Ascii as c_uchar { Format::Ascii } else { Format::Binary }
+/// A notice.
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Notice {
+    number: Numbered,
+    /// The code, 0 for a completion; the high bit is set where the command was in ASCII.
+    code: u8,
 }
 
 impl Notice {
-    pub(super) fn number(self) -> Option<Number> {
-        unpack(self.number, self.numbered)
+    pub(super) const fn number(self) -> Numbered {
+        self.number
     }
 
-    pub(super) fn format(self) -> Format {
-        format_of(self.format)
+    pub(super) const fn format(self) -> Format {
+        if self.code & ASCII == 0 { Format::Binary } else { Format::Ascii }
     }
 
-    pub(super) fn code(self) -> u8 {
-        self.code
+    pub(super) const fn code(self) -> u8 {
+        self.code & !ASCII
     }
+}
+
+const ASCII: u8 = 0x80;
+const ROOM: usize = 4;
+
+/// A few notices, the oldest first.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Notices {
+    list: [Notice; ROOM],
+    count: u8,
 }
 
 impl Notices {
     pub(super) const fn new() -> Self {
-        Self { list: [Notice { number: 0, numbered: 0, format: 0, code: 0 }; 4], count: 0 }
+        Self { list: [Notice { number: Numbered::NONE, code: 0 }; ROOM], count: 0 }
     }
 
     /// Whether there is room for what one command brings about, and one more.
@@ -71,11 +50,11 @@ impl Notices {
         self.count = 0;
     }
 
-    /// Adds a notice, 0 being the code of one that says completed.
-    pub(super) fn push(&mut self, number: Option<Number>, format: Format, code: u8) {
+    /// Adds a notice, 0 being the code of a completion.
+    pub(super) fn push(&mut self, number: Numbered, format: Format, code: u8) {
         if let Some(place) = self.list.get_mut(usize::from(self.count)) {
-            let (number, numbered) = pack(number);
-            *place = Notice { number, numbered, format: format as c_uchar, code };
+            let ascii = if format == Format::Ascii { ASCII } else { 0 };
+            *place = Notice { number, code: code & !ASCII | ascii };
             self.count = self.count.wrapping_add(1);
         }
     }
@@ -86,9 +65,7 @@ impl Notices {
 
     pub(super) fn pop(&mut self) {
         let [first, second, third, fourth] = &mut self.list;
-        *first = *second;
-        *second = *third;
-        *third = *fourth;
+        (*first, *second, *third) = (*second, *third, *fourth);
         self.count = self.count.min(4).saturating_sub(1);
     }
 }

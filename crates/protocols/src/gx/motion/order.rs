@@ -1,38 +1,36 @@
 //! Which numbered command is the next, if numbers are in order at all.
 
-use core::ffi::{c_uchar, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{CLOSED, NUMBERLESS, ORDER};
-use crate::gx::NUMBER_MAX;
+use crate::gx::{Fault, NUMBER_MAX, Numbered};
 
 /// How far the numbers of the two requests that begin a session lie apart: a third of all numbers, which is more than
 /// those of left-over notices do, whichever way round.
 pub(in crate::gx) const STRIDE: u16 = 5461;
 
-/// The order of numbers at the motion side. Its fields are private; all zero: none is kept.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Order {
+/// The order of numbers at the motion side; all zero: none is kept.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Order {
     /// The number that the next command has to have.
-    next: c_ushort,
+    next: u16,
     /// The number that was refused last.
-    refused: c_ushort,
+    refused: u16,
     /// One more than the number of the request for reports that came last; 0: another command has come since.
-    asked: c_ushort,
+    asked: u16,
     /// Whether that one came directly behind the one whose number lies a stride before.
-    paired: c_uchar,
+    paired: u8,
     /// One of the stages below.
-    stage: c_uchar,
+    stage: u8,
     /// Whether nothing was taken since the last one was refused.
-    refusing: c_uchar,
+    refusing: u8,
 }
 
 /// Numbers mean nothing.
-const FREE: c_uchar = 0;
+const FREE: u8 = 0;
 /// A session: they are in order.
-const OPEN: c_uchar = 1;
+const OPEN: u8 = 1;
 /// A session has ended, and its host may not know yet. (Anything else is that too.)
-const OVER: c_uchar = 2;
+const OVER: u8 = 2;
 
 /// What a number says about a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,12 +40,12 @@ pub(super) enum Verdict {
     /// It was taken before, as the last but this many.
     Repeat(u16),
     /// It can't be taken, for this reason.
-    Refuse(u8),
+    Refuse(Fault),
 }
 
 /// What a numbered request for reports begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Opening {
+pub(super) enum Begun {
     /// Nothing.
     None,
     /// A session; what came before this request is not known.
@@ -63,7 +61,7 @@ impl Order {
 
     /// A host asks for reports, with a number. Where an order is kept already, or has to be (`only`), that begins a
     /// session by itself.
-    pub(super) fn ask(&mut self, number: u16, only: bool) -> Opening {
+    pub(super) fn ask(&mut self, number: u16, only: bool) -> Begun {
         let before = number.wrapping_sub(STRIDE) & NUMBER_MAX;
         // It may be asked for again, when the answer was lost.
         let again = self.asked == number.wrapping_add(1) && self.paired != 0;
@@ -71,12 +69,12 @@ impl Order {
         self.asked = number.wrapping_add(1);
         self.paired = paired.into();
         if !paired && !only && self.stage == FREE {
-            return Opening::None;
+            return Begun::None;
         }
         self.next = number.wrapping_add(1) & NUMBER_MAX;
         self.stage = OPEN;
         self.refusing = 0;
-        if paired { Opening::Behind(before) } else { Opening::Alone }
+        if paired { Begun::Behind(before) } else { Begun::Alone }
     }
 
     /// Something else has come.
@@ -98,20 +96,20 @@ impl Order {
     }
 
     /// `only`: moves are taken in a session only.
-    pub(super) const fn judge(&self, number: Option<u16>, only: bool) -> Verdict {
+    pub(super) const fn judge(&self, number: Numbered, only: bool) -> Verdict {
         if self.stage == FREE && !only {
             return Verdict::Next;
         }
-        let Some(number) = number else {
-            return Verdict::Refuse(NUMBERLESS);
-        };
-        if self.stage != OPEN {
-            return Verdict::Refuse(CLOSED);
+        if !number.is_some() {
+            return Verdict::Refuse(Fault::Numberless);
         }
-        match self.ahead(number) {
+        if self.stage != OPEN {
+            return Verdict::Refuse(Fault::Closed);
+        }
+        match self.ahead(number.value()) {
             0 => Verdict::Next,
             // Of the two ways round, the shorter one.
-            ahead if ahead <= NUMBER_MAX / 2 => Verdict::Refuse(ORDER),
+            ahead if ahead <= NUMBER_MAX / 2 => Verdict::Refuse(Fault::Order),
             ahead => Verdict::Repeat(NUMBER_MAX.wrapping_sub(ahead)),
         }
     }
@@ -122,13 +120,13 @@ impl Order {
         self.refusing = 0;
     }
 
-    /// A command is refused: whether its host needs to be told. Of those that follow a refused one in a session, it
-    /// does not: none of them can be taken. Unless it has gone back already, and this one is out of order again.
+    /// A command is refused: whether that needs an error notice. Those that follow a refused one in a session don't, as
+    /// none of them can be taken; unless the host has gone back already, and this one is out of order again.
     pub(super) const fn refuses(&mut self, number: u16) -> bool {
-        let tells = self.refusing == 0 || self.stage != OPEN || self.ahead(number) <= self.ahead(self.refused);
+        let needs_notice = self.refusing == 0 || self.stage != OPEN || self.ahead(number) <= self.ahead(self.refused);
         self.refusing = 1;
         self.refused = number;
-        tells
+        needs_notice
     }
 
     const fn ahead(&self, number: u16) -> u16 {
@@ -138,63 +136,68 @@ impl Order {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLOSED, NUMBERLESS, ORDER, Opening, Order, Verdict};
+    use super::{Begun, Order, Verdict};
+    use crate::gx::{Fault, Format, Numbered};
+
+    fn judge(order: &Order, number: Option<u16>, only: bool) -> Verdict {
+        order.judge(number.map_or(Numbered::NONE, |number| Numbered::new(number, Format::Ascii)), only)
+    }
 
     /// A session whose first move has the number behind this one.
     fn begun(number: u16) -> Order {
         let mut order = Order::new();
-        assert_eq!(order.ask(number, true), Opening::Alone);
+        assert_eq!(order.ask(number, true), Begun::Alone);
         order
     }
 
     #[test]
     fn numbers_count_once_begun_and_wrap() {
         let mut order = begun(16382);
-        assert_eq!(order.judge(None, false), Verdict::Refuse(NUMBERLESS));
-        assert_eq!(order.judge(Some(16383), false), Verdict::Next);
-        assert_eq!(order.judge(Some(0), false), Verdict::Refuse(ORDER));
-        assert_eq!(order.judge(Some(16382), false), Verdict::Repeat(0));
+        assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));
+        assert_eq!(judge(&order, Some(16383), false), Verdict::Next);
+        assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Order));
+        assert_eq!(judge(&order, Some(16382), false), Verdict::Repeat(0));
         order.taken();
-        assert_eq!(order.judge(Some(0), false), Verdict::Next);
-        assert_eq!(order.judge(Some(16383), false), Verdict::Repeat(0));
-        assert_eq!(order.judge(Some(16380), false), Verdict::Repeat(3));
-        assert_eq!(order.judge(Some(8191), false), Verdict::Refuse(ORDER));
-        assert_eq!(order.judge(Some(8192), false), Verdict::Repeat(8191));
+        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
+        assert_eq!(judge(&order, Some(16383), false), Verdict::Repeat(0));
+        assert_eq!(judge(&order, Some(16380), false), Verdict::Repeat(3));
+        assert_eq!(judge(&order, Some(8191), false), Verdict::Refuse(Fault::Order));
+        assert_eq!(judge(&order, Some(8192), false), Verdict::Repeat(8191));
         order.stop();
-        assert_eq!(order.judge(Some(0), false), Verdict::Refuse(CLOSED));
-        assert_eq!(order.judge(None, false), Verdict::Refuse(NUMBERLESS));
+        assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Closed));
+        assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));
         order.close();
-        assert_eq!(order.judge(Some(0), false), Verdict::Next);
-        assert_eq!(order.judge(None, false), Verdict::Next);
-        assert_eq!(order.judge(Some(0), true), Verdict::Refuse(CLOSED));
-        assert_eq!(order.judge(None, true), Verdict::Refuse(NUMBERLESS));
+        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
+        assert_eq!(judge(&order, None, false), Verdict::Next);
+        assert_eq!(judge(&order, Some(0), true), Verdict::Refuse(Fault::Closed));
+        assert_eq!(judge(&order, None, true), Verdict::Refuse(Fault::Numberless));
         order.stop();
-        assert_eq!(order.judge(Some(0), false), Verdict::Next);
+        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
     }
 
     #[test]
     fn two_requests_begin() {
         let mut order = Order::new();
-        for (number, opening) in [
-            (12, Opening::None),
-            (12, Opening::None),
-            (5474, Opening::None),
-            (13, Opening::None),
-            (5474, Opening::Behind(13)),
-            (5474, Opening::Behind(13)),
+        for (number, begun) in [
+            (12, Begun::None),
+            (12, Begun::None),
+            (5474, Begun::None),
+            (13, Begun::None),
+            (5474, Begun::Behind(13)),
+            (5474, Begun::Behind(13)),
             // In a session one is enough.
-            (5474 + 5460, Opening::Alone),
-            (11, Opening::Behind(10934)),
+            (5474 + 5460, Begun::Alone),
+            (11, Begun::Behind(10934)),
         ] {
-            assert_eq!(order.ask(number, false), opening, "{number}");
-            assert_eq!(order.judge(Some(number + 1), false), Verdict::Next, "{number}");
+            assert_eq!(order.ask(number, false), begun, "{number}");
+            assert_eq!(judge(&order, Some(number + 1), false), Verdict::Next, "{number}");
         }
         order.close();
-        assert_eq!(order.ask(5472, false), Opening::None);
+        assert_eq!(order.ask(5472, false), Begun::None);
         order.forget();
-        assert_eq!(order.ask(10933, false), Opening::None);
-        assert_eq!(order.judge(None, false), Verdict::Next);
-        assert_eq!(order.ask(10, false), Opening::Behind(10933));
+        assert_eq!(order.ask(10933, false), Begun::None);
+        assert_eq!(judge(&order, None, false), Verdict::Next);
+        assert_eq!(order.ask(10, false), Begun::Behind(10933));
     }
 
     /// After a stop, one is enough too: no other host has come so far.
@@ -203,12 +206,12 @@ mod tests {
         let mut order = begun(9);
         order.stop();
         order.forget();
-        assert_eq!(order.ask(100, false), Opening::Alone);
-        assert_eq!(order.judge(Some(101), false), Verdict::Next);
+        assert_eq!(order.ask(100, false), Begun::Alone);
+        assert_eq!(judge(&order, Some(101), false), Verdict::Next);
     }
 
     #[test]
-    fn of_a_run_of_refused_commands_the_first_is_told() {
+    fn of_a_run_of_refused_commands_the_first_is_answered() {
         let mut order = begun(9);
         assert!(order.refuses(11));
         assert!(!order.refuses(12));

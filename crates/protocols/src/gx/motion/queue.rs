@@ -1,44 +1,39 @@
 //! The moves that wait, are carried out, or have ended without their host knowing yet.
 
-use core::ffi::{c_uchar, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::notices::{pack, unpack};
-use crate::config::GX_QUEUE_MAX;
-use crate::gx::{Lost, MASK_AXES, Message, Number, Vector};
+use crate::gx::{AXES, Lost, MASK_AXES, Numbered, Vector};
 
-/// A queued move. Its fields are private.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct Queued {
+/// A queued move.
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
+struct Queued {
     /// Where all axes are to be after it, the velocity in force, and which axes it names.
     target: Vector,
-    number: c_ushort,
-    numbered: c_uchar,
+    /// The number whose end a host waits for.
+    number: Numbered,
 }
 
 /// The queue of a motion side: first the moves that have ended, then those that are carried out, then those that wait.
-/// Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Queue {
-    moves: [Queued; GX_QUEUE_MAX],
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Queue<const SIZE: usize> {
+    moves: [Queued; SIZE],
     /// Where the last of them leads to; the mask tells the axes whose place is known.
     last: Vector,
-    head: c_uchar,
-    count: c_uchar,
+    head: u8,
+    count: u8,
     /// How many of them the firmware has taken, and how many of these it has done.
-    begun: c_uchar,
-    done: c_uchar,
+    begun: u8,
+    done: u8,
 }
 
-impl Queue {
+impl<const SIZE: usize> Queue<SIZE> {
     pub(super) const fn new() -> Self {
-        const NONE: Queued = Queued { target: Vector::new(), number: 0, numbered: 0 };
-        Self { moves: [NONE; GX_QUEUE_MAX], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0 }
+        const NONE: Queued = Queued { target: Vector::new(), number: Numbered::NONE };
+        Self { moves: [NONE; SIZE], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0 }
     }
 
     pub(super) fn has_room(&self) -> bool {
-        usize::from(self.count) < GX_QUEUE_MAX
+        usize::from(self.count) < SIZE
     }
 
     /// How many moves have not ended.
@@ -47,8 +42,8 @@ impl Queue {
     }
 
     /// The numbers of those of them whose end a host waits for, the oldest first.
-    pub(super) fn awaited(&self) -> impl Iterator<Item = Number> {
-        (self.done..self.count).filter_map(|index| self.at(index)?.number())
+    pub(super) fn awaited(&self) -> impl Iterator<Item = Numbered> {
+        (self.done..self.count).filter_map(|index| Some(self.at(index)?.number).filter(|number| number.is_some()))
     }
 
     /// Puts a move behind the others. There has to be room.
@@ -56,14 +51,13 @@ impl Queue {
     /// # Errors
     ///
     /// When it leads nowhere: nothing changes then.
-    pub(super) fn push(&mut self, message: &Message<'_>, named: u8, number: Option<Number>) -> Result<(), Lost> {
-        self.last.follow(message)?;
+    pub(super) fn push(&mut self, vector: &Vector, is_step: bool, number: Numbered) -> Result<(), Lost> {
+        self.last.follow(vector, is_step)?;
         let place = self.place(self.count);
         if let Some(queued) = self.moves.get_mut(place) {
             queued.target.copy(&self.last);
-            queued.target.mask &= !MASK_AXES;
-            queued.target.mask |= named & MASK_AXES;
-            (queued.number, queued.numbered) = pack(number);
+            queued.target.mask = self.last.mask & !MASK_AXES | vector.mask & MASK_AXES;
+            queued.number = number;
             self.count = self.count.wrapping_add(1);
         }
         self.tidy();
@@ -71,7 +65,7 @@ impl Queue {
     }
 
     /// The next move to carry out, which is taken.
-    pub(super) fn next(&mut self) -> Option<(&Vector, Option<Number>)> {
+    pub(super) fn next(&mut self) -> Option<(&Vector, Numbered)> {
         // Those that only set the velocity are nothing to carry out.
         while self.begun < self.count && self.at(self.begun).is_some_and(|queued| !queued.moves()) {
             self.begun = self.begun.wrapping_add(1);
@@ -81,7 +75,7 @@ impl Queue {
         }
         let index = self.begun;
         self.begun = index.wrapping_add(1);
-        self.at(index).map(|queued| (&queued.target, queued.number()))
+        self.at(index).map(|queued| (&queued.target, queued.number))
     }
 
     /// The oldest move that was taken has ended; `false` when there is none.
@@ -94,21 +88,21 @@ impl Queue {
         ended
     }
 
-    /// The number of the oldest move that has ended, to be told.
-    pub(super) fn ended(&self) -> Option<Number> {
-        self.at(0).filter(|_| self.done > 0 && self.count > 0)?.number()
+    /// The number of the oldest move that has ended, to be reported.
+    pub(super) fn ended(&self) -> Option<Numbered> {
+        self.at(0).filter(|_| self.done > 0 && self.count > 0).map(|queued| queued.number)
     }
 
-    /// That was told.
-    pub(super) fn told(&mut self) {
+    /// That was reported.
+    pub(super) fn pop_ended(&mut self) {
         self.drop_first();
         self.tidy();
     }
 
-    /// No ends are told any more of the moves that are queued by now.
+    /// No ends are reported any more of the moves that are queued by now.
     pub(super) fn silence(&mut self) {
         for queued in &mut self.moves {
-            queued.numbered = 0;
+            queued.number = Numbered::NONE;
         }
         self.tidy();
     }
@@ -121,7 +115,7 @@ impl Queue {
     }
 
     /// The axes that nobody knows the place of are there.
-    pub(super) fn starts_at(&mut self, position: &[i32; 6]) {
+    pub(super) fn starts_at(&mut self, position: &[i32; AXES]) {
         for (axis, value) in position.iter().enumerate() {
             if !self.last.has(axis) {
                 self.last.set(axis, *value);
@@ -135,7 +129,7 @@ impl Queue {
             self.done = self.done.wrapping_add(1);
             self.begun = self.begun.max(self.done);
         }
-        while self.done > 0 && self.count > 0 && self.at(0).is_some_and(|queued| queued.numbered == 0) {
+        while self.done > 0 && self.count > 0 && self.at(0).is_some_and(|queued| !queued.number.is_some()) {
             self.drop_first();
         }
     }
@@ -149,7 +143,7 @@ impl Queue {
 
     fn place(&self, index: u8) -> usize {
         let place = usize::from(self.head).wrapping_add(usize::from(index));
-        if place < GX_QUEUE_MAX { place } else { place.wrapping_sub(GX_QUEUE_MAX) }
+        if place < SIZE { place } else { place.wrapping_sub(SIZE) }
     }
 
     fn at(&self, index: u8) -> Option<&Queued> {
@@ -158,11 +152,6 @@ impl Queue {
 }
 
 impl Queued {
-    /// The number that its host waits for.
-    const fn number(&self) -> Option<Number> {
-        unpack(self.number, self.numbered)
-    }
-
     const fn moves(&self) -> bool {
         self.target.mask & MASK_AXES != 0
     }

@@ -1,21 +1,20 @@
 //! Position reports.
 
-use core::ffi::{c_uchar, c_ulong, c_ushort};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::notices::format_of;
-use crate::clock::{left, stamp};
 use crate::gx::Format;
+use crate::session::left;
 
-/// When the position is to be reported. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Reports {
-    sent_at: c_ulong,
+/// When the position is to be reported.
+#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+pub(super) struct Reports {
+    sent_at: u32,
     /// In milliseconds; 0: none are wanted.
-    period: c_ushort,
-    format: c_uchar,
+    period: u16,
+    /// A [`Format`]; 0: nothing was ever asked for.
+    format: u8,
     /// One is due now.
-    due: c_uchar,
+    due: u8,
 }
 
 impl Reports {
@@ -26,15 +25,15 @@ impl Reports {
     /// A host asks for reports.
     pub(super) fn switch(&mut self, period: u16, format: Format) {
         self.period = period;
-        self.format = format as c_uchar;
-        self.due = c_uchar::from(period != 0);
+        self.format = format as u8;
+        self.due = (period != 0).into();
     }
 
     /// One report, whatever was asked for. `format` if nothing ever was.
     pub(super) fn one(&mut self, format: Format) {
         self.due = 1;
         if self.format == 0 {
-            self.format = format as c_uchar;
+            self.format = format as u8;
         }
     }
 
@@ -47,11 +46,11 @@ impl Reports {
     }
 
     pub(super) fn format(&self) -> Format {
-        format_of(self.format)
+        if self.format == Format::Ascii as u8 { Format::Ascii } else { Format::Binary }
     }
 
     pub(super) fn sent(&mut self, now: u32) {
         self.due = 0;
-        self.sent_at = stamp(now);
+        self.sent_at = now;
     }
 }

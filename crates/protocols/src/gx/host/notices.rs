@@ -1,51 +1,49 @@
 //! What a notice means.
 
-use core::ffi::c_uchar;
-
-use super::event::{Outcome, TELL_ERROR, TELL_REPORT};
-use super::{DRAINING, Host, IDLE, IS_BACK, IS_HELD, IS_REPORTING, OPEN, SEND_OPENING, SEND_PROBE, SEND_REPORTING};
-use crate::clock::stamp;
-use crate::counter::count;
-use crate::gx::motion::{AXIS, CLOSED, CODE_FREE, STOPPED};
-use crate::gx::{Fault, Item, Message};
+use super::event::{Outcome, Pending};
+use super::{DRAINING, Host, IDLE, Is, OPEN, Send};
+use crate::gx::{CODE_FREE, Fault, Kind};
+use crate::session::count;
 
 const BUSY: u8 = Fault::Busy as u8;
 const LIMIT: u8 = Fault::Limit as u8;
+const CLOSED: u8 = Fault::Closed as u8;
+const AXIS: u8 = Fault::Axis as u8;
+const STOPPED: u8 = Fault::Stopped as u8;
 
-impl Host {
-    /// Deals with what was received, if anything.
-    pub(super) fn look_at(&mut self, item: &Item, now: u32) -> Option<()> {
-        let number = item.number().map(|number| number.value);
-        match item.message()? {
-            Message::Completed => self.completed(number.unwrap_or_default(), now),
-            Message::Refused(code) => {
+impl<const WINDOW: usize> Host<WINDOW> {
+    /// Deals with what the receiver has found.
+    pub(super) fn handle(&mut self, kind: Kind, now: u32) {
+        let number = self.receiver.number().map(|number| number.value);
+        match kind {
+            Kind::Completed => self.completed(number.unwrap_or_default(), now),
+            Kind::Refused => {
+                let code = self.receiver.code();
                 count(&mut self.health.errors);
                 self.error_code = code;
-                self.error_numbered = c_uchar::from(number.is_some());
-                self.error_number = number.unwrap_or_default();
-                self.tell |= TELL_ERROR;
+                self.error_number = self.receiver.numbered();
+                self.pending.set(Pending::Error);
                 if matches!(self.stage, OPEN | DRAINING) {
                     self.refused(number, code, now);
                 }
             }
-            Message::Position(position) => {
+            Kind::Position => {
                 count(&mut self.health.reports);
-                self.position.copy(position);
-                self.tell |= TELL_REPORT;
-                if !self.is_opening() {
+                self.position.copy(self.receiver.vector());
+                self.pending.set(Pending::Report);
+                if !self.is_shaking_hands() {
                     self.unanswered = 0;
                 }
                 self.reported(now);
             }
-            Message::Malformed(_) => count(&mut self.health.malformed),
-            _ => (),
+            // A receiver of notices finds nothing else.
+            _ => count(&mut self.health.malformed),
         }
-        Some(())
     }
 
     fn completed(&mut self, number: u16, now: u32) {
         count(&mut self.health.completions);
-        let is_expected = if self.is_opening() { self.echoed(number) } else { self.finished(number, now) };
+        let is_expected = if self.is_shaking_hands() { self.echoed(number) } else { self.finished(number, now) };
         if !is_expected {
             count(&mut self.health.strays);
         }
@@ -55,9 +53,9 @@ impl Host {
     fn finished(&mut self, number: u16, now: u32) -> bool {
         let (OPEN | DRAINING, Some(index)) = (self.stage, self.find_unfinished(number)) else { return false };
         self.window.end(0, index.wrapping_add(1), Outcome::Finished, 0);
-        self.progressed_at = stamp(now);
+        self.progressed_at = now;
         self.unanswered = 0;
-        self.is &= !IS_HELD;
+        self.is.clear(Is::Held);
         true
     }
 
@@ -69,7 +67,7 @@ impl Host {
 
     fn refused(&mut self, number: Option<u16>, code: u8, now: u32) {
         let Some(number) = number else {
-            self.is |= IS_BACK;
+            self.is.set(Is::GoingBack);
             return;
         };
         let Some(index) = self.find_unfinished(number) else {
@@ -81,8 +79,8 @@ impl Host {
                 // It has taken those before, so it is there.
                 self.unanswered = 0;
                 self.cursor = index;
-                self.held_at = stamp(now);
-                self.is |= IS_HELD;
+                self.held_at = now;
+                self.is.set(Is::Held);
             }
             CLOSED => self.end_session(Outcome::Lost, code),
             STOPPED | CODE_FREE.. => {
@@ -92,7 +90,7 @@ impl Host {
             }
             AXIS => self.refuse(index, code),
             LIMIT if self.window.is_absolute(index) => self.refuse(index, code),
-            _ => self.is |= IS_BACK,
+            _ => self.is.set(Is::GoingBack),
         }
     }
 
@@ -107,21 +105,16 @@ impl Host {
         self.window.end_all(outcome, code);
         self.stage = IDLE;
         self.cursor = 0;
-        self.send &= !(SEND_OPENING | SEND_PROBE);
+        self.send.clear(Send::Handshake);
+        self.send.clear(Send::Probe);
     }
 
     /// A report came.
     fn reported(&mut self, now: u32) {
         if self.period != 0 {
-            self.reports_at = stamp(now);
-        } else if self.is & IS_REPORTING != 0 && self.answer_left(now, self.reports_at) == 0 {
-            self.send |= SEND_REPORTING;
+            self.reports_at = now;
+        } else if self.is.has(Is::Reporting) && self.answer_left(now, self.reports_at) == 0 {
+            self.send.set(Send::Reporting);
         }
     }
-}
-
-/// Whether a packed byte stands directly behind a number: then an error notice has lost its `?`, and says anything but
-/// that the move was carried out.
-pub(super) fn is_torn(read: &[u8], unread: &[u8]) -> bool {
-    !matches!(read, [.., b'\r' | b'\n']) && unread.first().is_some_and(|byte| *byte >= 0x80)
 }

@@ -1,71 +1,67 @@
 //! How a session begins: see [`host`](super).
 
-use core::ffi::c_uchar;
-
-use super::event::{Outcome, TELL_BEGUN};
-use super::{Host, IS_BACK, IS_HELD, IS_REPEATED, IS_USED, IS_WARY, OPEN, SEND_OPENING, SEND_PROBE};
-use crate::counter::count;
+use super::event::{Outcome, Pending};
+use super::{Host, Is, OPEN, Send};
 use crate::gx::NUMBER_MAX;
 use crate::gx::motion::STRIDE;
+use crate::session::count;
 
 // Stages of a host, besides those that it names itself.
 
 /// The number of the first request is waited for.
-const FIRST: c_uchar = 3;
+const FIRST: u8 = 3;
 /// That of the second is; the first may come again meanwhile, as it was sent several times.
-const LATE: c_uchar = 4;
+const LATE: u8 = 4;
 /// That of the first again, and behind it that of the second.
-const SECOND: c_uchar = 5;
+const SECOND: u8 = 5;
 /// That of the first has come again, and no other since.
-const ECHOED: c_uchar = 6;
+const ECHOED: u8 = 6;
 
-impl Host {
-    pub(super) const fn is_opening(&self) -> bool {
+impl<const WINDOW: usize> Host<WINDOW> {
+    pub(super) const fn is_shaking_hands(&self) -> bool {
         matches!(self.stage, FIRST..=ECHOED)
     }
 
     /// Asks for a session, with a number that was not used lately.
     pub(super) fn begin(&mut self) {
-        let number = match self.is & IS_USED {
-            0 => self.settings.first_number(),
-            _ => self.opening.wrapping_add(STRIDE),
-        };
-        self.is |= IS_USED;
+        let number =
+            if self.is.has(Is::Used) { self.handshake.wrapping_add(STRIDE) } else { self.settings.first_number() };
+        self.is.set(Is::Used);
         self.ask(FIRST, number);
     }
 
-    fn ask(&mut self, stage: c_uchar, number: u16) {
+    fn ask(&mut self, stage: u8, number: u16) {
         self.stage = stage;
-        self.opening = number & NUMBER_MAX;
+        self.handshake = number & NUMBER_MAX;
         self.unanswered = 0;
-        self.is &= !IS_REPEATED;
-        self.send |= SEND_OPENING;
+        self.is.clear(Is::Repeated);
+        self.send.set(Send::Handshake);
     }
 
     /// There was no answer.
     pub(super) fn ask_again(&mut self) {
         if self.gives_up() {
-            self.never_opens();
+            self.give_up();
         } else {
-            self.is |= IS_REPEATED;
-            self.send |= SEND_OPENING;
+            self.is.set(Is::Repeated);
+            self.send.set(Send::Handshake);
         }
     }
 
     /// A number came back; `false` if it says nothing.
     pub(super) fn echoed(&mut self, number: u16) -> bool {
-        let is_this = number == self.opening;
+        let is_this = number == self.handshake;
         match self.stage {
             FIRST if is_this => {
-                let stage = if self.is & IS_REPEATED == 0 { SECOND } else { LATE };
+                let stage = if !self.is.has(Is::Repeated) { SECOND } else { LATE };
                 self.ask(stage, number.wrapping_add(STRIDE));
             }
             // Behind this no late answer to the first can come: what it is answered by when it is sent once more
             // counts.
             LATE if is_this => self.ask(SECOND, number),
-            ECHOED if is_this => self.opens(),
-            SECOND if is_this => self.doubts_order(),
-            SECOND | ECHOED if number == self.opening.wrapping_sub(STRIDE) & NUMBER_MAX => self.stage = ECHOED,
+            ECHOED if is_this => self.open(),
+            SECOND if is_this => self.order_missing(),
+            SECOND | ECHOED if number == self.handshake.wrapping_sub(STRIDE) & NUMBER_MAX => self.stage = ECHOED,
             ECHOED => {
                 self.stage = SECOND;
                 return false;
@@ -75,28 +71,30 @@ impl Host {
         true
     }
 
-    fn opens(&mut self) {
+    fn open(&mut self) {
         self.stage = OPEN;
-        self.window.begin(self.opening);
+        self.window.begin(self.handshake);
         (self.cursor, self.unanswered) = (0, 0);
-        self.is &= !(IS_BACK | IS_HELD | IS_WARY);
-        self.send &= !SEND_PROBE;
-        self.tell |= TELL_BEGUN;
+        self.is.clear(Is::GoingBack);
+        self.is.clear(Is::WentBack);
+        self.is.clear(Is::Held);
+        self.send.clear(Send::Probe);
+        self.pending.set(Pending::Begun);
         count(&mut self.health.sessions);
     }
 
     /// The motion side has not had the first request, or keeps no order.
-    fn doubts_order(&mut self) {
-        self.doubts = self.doubts.saturating_add(1);
-        if self.settings.allows(self.doubts) {
+    fn order_missing(&mut self) {
+        self.failed_handshakes = self.failed_handshakes.saturating_add(1);
+        if self.settings.allows(self.failed_handshakes) {
             self.begin();
         } else {
-            self.never_opens();
+            self.give_up();
         }
     }
 
     /// No session can be had.
-    fn never_opens(&mut self) {
+    fn give_up(&mut self) {
         self.window.end(0, self.window.len(), Outcome::TimedOut, 0);
         self.end_session(Outcome::TimedOut, 0);
     }
@@ -105,8 +103,8 @@ impl Host {
 #[cfg(test)]
 mod tests {
     use crate::gx::host::{Event, Host, Outcome, Settings};
-    use crate::gx::motion::{self, Motion};
-    use crate::gx::{CommandReceiver, ENCODED_MAX, Item, Vector, write_completed};
+    use crate::gx::motion::Motion;
+    use crate::gx::{CommandReceiver, ENCODED_MAX, Vector, write_completed};
     use std::vec::Vec;
 
     /// How a move ends whose commands are answered like this, so many milliseconds late; and whether it was sent.
@@ -115,7 +113,7 @@ mod tests {
         asks_for_reports: bool,
         mut answer: impl FnMut(&[u8], u32) -> Vec<u8>,
     ) -> (Option<Outcome>, bool) {
-        let mut host = Host::new(Settings::new());
+        let mut host = Host::<4>::new(Settings::new());
         assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         let mut answers: Vec<(u32, Vec<u8>)> = Vec::new();
         let end = (0..100_000).step_by(10).find_map(|now| {
@@ -131,7 +129,7 @@ mod tests {
                 host.report(100);
             }
             let mut frame = [0; ENCODED_MAX];
-            let length = host.output(&mut frame, ENCODED_MAX, now);
+            let length = host.output(&mut frame, now);
             answers.push((now + latency, answer(&frame[..length], now)));
             None
         });
@@ -140,9 +138,9 @@ mod tests {
 
     /// Sends numbers back, and no more.
     fn echo(command: &[u8], _: u32) -> Vec<u8> {
-        let (mut room, mut item) = ([0; ENCODED_MAX], Item::new());
-        CommandReceiver::new().receive(command, &mut item);
-        let length = item.number().map_or(0, |number| write_completed(number, &mut room).unwrap());
+        let (mut room, mut receiver) = ([0; ENCODED_MAX], CommandReceiver::new());
+        receiver.receive(command);
+        let length = receiver.number().map_or(0, |number| write_completed(number, &mut room).unwrap());
         [&room[..length], b"\n"].concat()
     }
 
@@ -160,7 +158,7 @@ mod tests {
     #[test]
     fn order_is_found_however_late_the_answers_are() {
         for latency in (0..2000).step_by(50) {
-            let mut motion = Motion::new(motion::Settings::new());
+            let mut motion = Motion::<4>::new();
             let end = end_of_a_move(latency, false, |command, now| {
                 motion.receive(command, now);
                 while motion.poll(now).is_some() {}
@@ -169,7 +167,7 @@ mod tests {
                 }
                 let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
                 loop {
-                    match motion.output(&mut frame, ENCODED_MAX, now) {
+                    match motion.output(&mut frame, now) {
                         0 => return said,
                         length => said.extend(&frame[..length]),
                     }

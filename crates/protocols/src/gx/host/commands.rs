@@ -1,0 +1,128 @@
+//! What goes out: commands, one at a time.
+
+use super::{DRAINING, Host, Is, OPEN, Send};
+use crate::gx::receiver::ESC;
+use crate::gx::{EncodeError, Format, Number, Vector, write_move, write_reporting, write_shortest};
+use crate::session::count;
+
+impl<const WINDOW: usize> Host<WINDOW> {
+    /// Writes the next command to `room`, if it fits, and returns its length; 0 when there is none. To be called after
+    /// [`poll`](Self::poll); `now` is when it leaves.
+    pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
+        // No other command may come between those that begin a session.
+        let begins = self.is_shaking_hands() && self.send.has(Send::Reporting);
+        if begins || self.send.has(Send::Handshake) {
+            return self.put_handshake(room, now);
+        }
+        if self.send.has(Send::Reporting) {
+            return self.put_reporting(room, now);
+        }
+        if let Some(index) = self.to_retransmit() {
+            return self.retransmit(index, room, now);
+        }
+        if self.may_send() { self.put_next(room, now) } else { 0 }
+    }
+
+    fn put_handshake(&mut self, room: &mut [u8], now: u32) -> usize {
+        let format = self.settings.format();
+        let number = Some(Number { value: self.handshake, format });
+        // ESC ends whatever came of a command before.
+        let length = put_behind(ESC, room, |rest| write_reporting(format, number, self.period, rest));
+        let length = length.unwrap_or(0);
+        if length != 0 {
+            if self.send.has(Send::Handshake) {
+                self.asked_at = now;
+            } else {
+                self.is.set(Is::Repeated);
+            }
+            self.send.clear(Send::Handshake);
+            self.send.clear(Send::Reporting);
+            self.reports_at = now;
+        }
+        length
+    }
+
+    fn put_reporting(&mut self, room: &mut [u8], now: u32) -> usize {
+        // Behind the number of a move whose rest was lost, it would begin a session.
+        let length = put_behind(b'\n', room, |rest| write_reporting(self.settings.format(), None, self.period, rest));
+        let length = length.unwrap_or(0);
+        if length != 0 {
+            self.send.clear(Send::Reporting);
+            self.reports_at = now;
+        }
+        length
+    }
+
+    fn retransmit(&mut self, index: u8, room: &mut [u8], now: u32) -> usize {
+        let mut target = Vector::new();
+        self.window.command_again(index, &mut target);
+        let format = self.settings.format();
+        let number = Number { value: self.window.number(index), format };
+        let length = write_move(format, Some(number), &target, room).unwrap_or(0);
+        if length != 0 {
+            self.window.make_absolute(index);
+            if self.cursor < self.window.sent() {
+                self.cursor = index.wrapping_add(1);
+            }
+            self.send.clear(Send::Probe);
+            self.asked_at = now;
+            count(&mut self.health.repeats);
+        }
+        length
+    }
+
+    fn put_next(&mut self, room: &mut [u8], now: u32) -> usize {
+        let index = self.window.sent();
+        let mut target = Vector::new();
+        self.window.command(index, &mut target);
+        let format = self.settings.format();
+        let number = Some(Number { value: self.window.number(index), format });
+        let from = self.window.before(index);
+        let length = match format {
+            Format::Binary => write_shortest(number, &target, from, room),
+            Format::Ascii => write_move(format, number, &target, room),
+        };
+        let length = length.unwrap_or(0);
+        if length != 0 {
+            if self.window.oldest().is_none() {
+                self.progressed_at = now;
+            }
+            self.window.advance();
+            self.cursor = self.window.sent();
+            self.asked_at = now;
+            count(&mut self.health.moves);
+        }
+        length
+    }
+
+    /// Which of the sent moves is to be sent again now.
+    pub(super) fn to_retransmit(&self) -> Option<u8> {
+        if !matches!(self.stage, OPEN | DRAINING) || self.is.has(Is::Held) {
+            return None;
+        }
+        let oldest = self.window.oldest()?;
+        if self.cursor < self.window.sent() {
+            return Some(self.cursor.max(oldest));
+        }
+        (self.send.has(Send::Probe)).then(|| self.window.sent().wrapping_sub(1))
+    }
+
+    /// Whether a move is to be sent for the first time now.
+    pub(super) fn may_send(&self) -> bool {
+        let sent = self.window.sent();
+        let unfinished = self.window.oldest().map_or(0, |oldest| usize::from(sent.wrapping_sub(oldest)));
+        let held = self.is.has(Is::Held);
+        self.stage == OPEN && !held && unfinished < self.settings.window(WINDOW) && self.window.has_next()
+    }
+}
+
+/// Writes something behind a byte.
+fn put_behind(
+    first: u8,
+    room: &mut [u8],
+    write: impl FnOnce(&mut [u8]) -> Result<usize, EncodeError>,
+) -> Result<usize, EncodeError> {
+    let [head, rest @ ..] = room else { return Err(EncodeError::Room) };
+    *head = first;
+    write(rest).map(|length| length.wrapping_add(1))
+}

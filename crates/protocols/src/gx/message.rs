@@ -1,0 +1,129 @@
+//! What commands and notices are made of besides vectors: numbers, formats, kinds and codes.
+
+use zerocopy::{FromBytes, Immutable, KnownLayout};
+
+use super::packed::NUMBER_MAX;
+
+/// How something is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Format {
+    /// Bytes with the high bit set behind a start byte.
+    Binary = 1,
+    /// Text, up to the end of the line.
+    Ascii = 2,
+}
+
+/// The number of a command, `#` in front of it. It is sent back in the format in which it came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Number {
+    /// 0 to [`NUMBER_MAX`].
+    pub value: u16,
+    /// Of the number, which need not be that of its command.
+    pub format: Format,
+}
+
+/// A number or none, as state keeps it: the format in the two bits above the value, 0 for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+pub struct Numbered(u16);
+
+impl Numbered {
+    /// No number.
+    pub const NONE: Self = Self(0);
+
+    /// A number of that format; the lowest 14 bits of `value` count.
+    #[must_use]
+    pub const fn new(value: u16, format: Format) -> Self {
+        Self(value & NUMBER_MAX | (format as u16) << 14)
+    }
+
+    /// Whether there is a number.
+    #[must_use]
+    pub const fn is_some(self) -> bool {
+        self.0 != 0
+    }
+
+    /// Its value; 0 without one.
+    #[must_use]
+    pub const fn value(self) -> u16 {
+        self.0 & NUMBER_MAX
+    }
+
+    /// Its format; ASCII without one.
+    #[must_use]
+    pub const fn format(self) -> Format {
+        if self.0 >> 14 == Format::Binary as u16 { Format::Binary } else { Format::Ascii }
+    }
+
+    /// The number, if there is one.
+    #[must_use]
+    pub const fn get(self) -> Option<Number> {
+        if self.is_some() { Some(Number { value: self.value(), format: self.format() }) } else { None }
+    }
+}
+
+impl From<Option<Number>> for Numbered {
+    fn from(number: Option<Number>) -> Self {
+        number.map_or(Self::NONE, |number| Self::new(number.value, number.format))
+    }
+}
+
+/// What a receiver found. The receiver holds the details until its next call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// Command: go to the positions of the vector, by the long form or in ASCII. If it names no axis, it is the
+    /// velocity of the moves to come.
+    Move = 1,
+    /// Command: go on by the deltas of the vector, -64 to 63 steps each, by the short form.
+    Step = 2,
+    /// Command: report the position each so many milliseconds; 0: never.
+    Reporting = 3,
+    /// What came is none of these; the code is a [`Fault`]'s.
+    Malformed = 4,
+    /// Notice: the command with this number was carried out.
+    Completed = 5,
+    /// Notice: the command, with this number if it has one, was not. The code is a [`Fault`]'s or one of the
+    /// controller's own, 0 to 127.
+    Refused = 6,
+    /// Notice: the position is the vector's.
+    Position = 7,
+}
+
+/// What is wrong with a command: the code of the error notice that answers it. Codes from 64 on are left to users.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fault {
+    /// No command begins like that.
+    Unknown = 1,
+    /// The number in front of the command is none, or too large. An ASCII command behind it is skipped; one that begins
+    /// with `!`, `*` or `~` clears it and is delivered, without a number.
+    Number = 2,
+    /// Another command began before this one was complete, or the line fell silent.
+    Interrupted = 3,
+    /// A byte that has no place there.
+    Syntax = 4,
+    /// It names no axis and no velocity.
+    Empty = 5,
+    /// It names an axis, or the velocity, twice.
+    Repeated = 6,
+    /// A value does not fit.
+    Range = 7,
+    /// A step leads out of the positions that 28 bits hold, or starts where the position is not known.
+    Limit = 8,
+    /// There is no room for another command.
+    Busy = 9,
+    /// The number is not the next of its session.
+    Order = 16,
+    /// A session is over, or none has begun and moves are taken in sessions only.
+    Closed = 17,
+    /// A move without a number where numbers are in order.
+    Numberless = 18,
+    /// The machine does not have that axis.
+    Axis = 19,
+    /// The machine has stopped: this move was not finished, those behind it are dropped.
+    Stopped = 20,
+}
+
+/// The first of the codes that firmware may use as it likes, instead of [`Fault::Stopped`].
+pub const CODE_FREE: u8 = 64;
