@@ -37,7 +37,7 @@ mod monitor {
     #[test]
     fn both_directions_in_words() {
         assert_eq!(
-            printed(&["monitor", "--protocol", "gx", &recording("gx-words.txt")], FINISHED),
+            printed(&["monitor", "--protocol", "gx", "--gap", "50", &recording("gx-words.txt")], FINISHED),
             "     0.000 > move  x=1000  y=-1000
      0.000 > step  x=+1  y=-1
      0.100 > #12 move  x=400  y=300  V=1000 (ASCII)
@@ -57,7 +57,7 @@ mod monitor {
 
     #[test]
     fn both_directions_as_json() {
-        let said = printed(&["monitor", "--protocol", "gx", "--json", &recording("gx-json.txt")], FINISHED);
+        let said = printed(&["monitor", "--protocol", "gx", "--json", "--gap", "50", &recording("gx-json.txt")], FINISHED);
         let values: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(
             values[0],

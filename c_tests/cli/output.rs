@@ -81,8 +81,8 @@ fn a_full_one_is_complained_about_by_requests() {
         for option in [&[] as &[&str], &["--json"]] {
             let arguments = [request, &[&sim.device], option].concat();
             let Some((code, said)) = filled(&arguments) else { return };
-            let expected = (status, "deltarobot: standard output: No space left on device\n");
-            assert_eq!((code, said.as_str()), expected, "{arguments:?}");
+            let expected = "deltarobot: standard output: No space left on device\n";
+            assert!(code == status && said.starts_with(expected), "{arguments:?}: {code} {said}");
         }
     }
 }

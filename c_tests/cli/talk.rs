@@ -1,16 +1,15 @@
 //! A host that knows nothing but the bytes to send and to hear.
 
-use std::ffi::CString;
-use std::mem::MaybeUninit;
+use std::fs::File;
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::time::{Duration, Instant};
-
-use deltarobot::port::{Port, Settings};
 
 use super::{PATIENCE, Running};
 
 /// A simulator, and its device opened.
 pub(super) struct Talk {
-    port: Port,
+    port: Option<File>,
     /// What was heard and not asked for yet.
     heard: Vec<u8>,
     pub(super) sim: Running,
@@ -19,23 +18,24 @@ pub(super) struct Talk {
 impl Talk {
     pub(super) fn with_sim(arguments: &[&str]) -> Self {
         let sim = Running::sim(arguments);
-        let mut talk = Self { port: Port::new(), heard: Vec::new(), sim };
+        let mut talk = Self { port: None, heard: Vec::new(), sim };
         talk.open();
         talk
     }
 
     pub(super) fn open(&mut self) {
-        let device = CString::new(self.sim.device.as_str()).unwrap();
-        assert!(self.port.open(&device, &Settings::at(115_200)).is_ok(), "{:?}", self.port.error());
+        let flags = libc::O_NONBLOCK | libc::O_NOCTTY;
+        let port = File::options().read(true).write(true).custom_flags(flags).open(&self.sim.device);
+        self.port = Some(port.unwrap());
     }
 
     pub(super) fn close(&mut self) {
-        self.port.close();
+        self.port = None;
         self.heard.clear();
     }
 
     pub(super) fn say(&mut self, bytes: impl AsRef<[u8]>) {
-        assert!(self.port.send(bytes.as_ref(), 1000).is_ok(), "{:?}", self.port.error());
+        self.port.as_ref().unwrap().write_all(bytes.as_ref()).unwrap();
     }
 
     /// Whatever comes within that time, and what came before.
@@ -62,16 +62,13 @@ impl Talk {
 
     fn hear_until(&mut self, time: Duration, is_enough: impl Fn(&[u8]) -> bool) {
         let began = Instant::now();
-        let mut room = [MaybeUninit::uninit(); 256];
+        let mut room = [0; 256];
         while began.elapsed() < time && !is_enough(&self.heard) {
-            let read = self.port.read(&mut room, 10).map(|bytes| self.heard.extend_from_slice(bytes));
-            assert!(read.is_ok(), "{:?}", self.port.error());
+            match self.port.as_ref().unwrap().read(&mut room) {
+                Ok(count) => self.heard.extend_from_slice(&room[..count]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(Duration::from_millis(1)),
+                Err(error) => panic!("{error}"),
+            }
         }
-    }
-}
-
-impl Drop for Talk {
-    fn drop(&mut self) {
-        self.port.close();
     }
 }

@@ -43,8 +43,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     pieces.extend(decoder.end(arguments.from));
     let mut screen = Screen::new();
     for piece in &pieces {
-        if arguments.json { screen.json(&piece.add_to(json!({}))) } else { screen.line(&piece.text) }?;
+        if arguments.json { screen.put_json(&piece.add_to(json!({}))) } else { screen.put(&piece.text) }?;
     }
+    screen.flush()?;
     let all_messages = !pieces.is_empty() && pieces.iter().all(Piece::is_message);
     Ok(if all_messages { Status::Finished } else { Status::NotDone })
 }

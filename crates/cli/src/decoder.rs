@@ -12,10 +12,8 @@ use serde_json::{Map, Value, json};
 
 use crate::recording::Side;
 
-/// How often a silent line is looked at, in milliseconds: the shortest silence that ends anything.
-pub(crate) const QUIET_MS: u32 = 50;
-/// The same.
-pub(crate) const QUIET: Duration = Duration::from_millis(QUIET_MS as u64);
+/// What is certain to be garbage is shown after so much silence.
+const QUIET: Duration = Duration::from_millis(50);
 
 /// A run of garbage without an end is told in pieces of about this many bytes.
 const GARBAGE_MAX: usize = 64;
@@ -30,12 +28,13 @@ pub(crate) trait Decoder {
     /// Takes bytes of which it is known, or not, who sent them, and gives back what is certain by then.
     fn feed(&mut self, from: Option<Side>, bytes: &[u8]) -> Vec<Piece>;
 
-    /// That side has been silent for so long: gives back what that makes certain, and what it gives up for it.
-    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece>;
+    /// That side has been silent for so long: gives back what is certain, and what is given up when that is the gap
+    /// which ends messages on this line.
+    fn idle(&mut self, from: Option<Side>, silence: Duration, gap: Duration) -> Vec<Piece>;
 
     /// Nothing will follow from that side.
     fn end(&mut self, from: Option<Side>) -> Vec<Piece> {
-        self.idle(from, Duration::MAX)
+        self.idle(from, Duration::MAX, Duration::ZERO)
     }
 }
 

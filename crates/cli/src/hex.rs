@@ -2,28 +2,39 @@
 
 /// Bytes as text, such as `24 53 00 B1 3A`.
 pub(crate) fn hex(bytes: &[u8]) -> String {
-    let words: Vec<_> = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
-    words.join(" ")
+    let digit = |value: u8| char::from(b"0123456789ABCDEF".get(usize::from(value)).copied().unwrap_or(b'?'));
+    let mut text = String::with_capacity(3 * bytes.len());
+    for byte in bytes {
+        if !text.is_empty() {
+            text.push(' ');
+        }
+        text.extend([digit(byte >> 4), digit(byte & 15)]);
+    }
+    text
 }
 
 /// Bytes from text: hexadecimal digits, two a byte; spaces, commas, colons, hyphens and `0x` in between don't matter.
 pub(crate) fn from_hex(text: &str) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    for word in text.split(|separator: char| separator.is_whitespace() || ",:;-".contains(separator)) {
+    append_hex(text, &mut bytes).map(|()| bytes)
+}
+
+/// Appends such bytes.
+pub(crate) fn append_hex(text: &str, bytes: &mut Vec<u8>) -> Result<(), String> {
+    let value = |digit: u8| char::from(digit).to_digit(16).and_then(|value| u8::try_from(value).ok());
+    for word in text.split(|separator: char| separator.is_ascii_whitespace() || ",:;-".contains(separator)) {
         let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X")).unwrap_or(word);
-        if digits.len() % 2 != 0 && digits.is_ascii() {
-            return Err(format!("`{word}` has an odd number of hexadecimal digits"));
-        }
         for pair in digits.as_bytes().chunks(2) {
-            let byte =
-                std::str::from_utf8(pair).ok().filter(|pair| pair.bytes().all(|digit| digit.is_ascii_hexdigit()));
-            match byte.and_then(|pair| u8::from_str_radix(pair, 16).ok()) {
-                Some(byte) => bytes.push(byte),
-                None => return Err(format!("`{word}` is not hexadecimal")),
+            match pair {
+                [high, low] if let (Some(high), Some(low)) = (value(*high), value(*low)) => bytes.push(high << 4 | low),
+                _ if digits.len() % 2 != 0 && digits.is_ascii() => {
+                    return Err(format!("`{word}` has an odd number of hexadecimal digits"));
+                }
+                _ => return Err(format!("`{word}` is not hexadecimal")),
             }
         }
     }
-    Ok(bytes)
+    Ok(())
 }
 
 #[cfg(test)]

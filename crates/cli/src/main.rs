@@ -1,13 +1,14 @@
 //! The program `deltarobot`: simulated machines, requests to a real robot, and tools for the line between. What knows a
 //! protocol is below `decoder` and `sim`, in a file for each.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![allow(
     clippy::arithmetic_side_effects,
     reason = "numbers here are times and sizes of what fits in memory, and a program may stop where a library must not"
 )]
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::unwrap_used, reason = "a test that can't go on fails"))]
 
+mod clock;
 mod decode;
 mod decoder;
 mod hex;
@@ -19,14 +20,16 @@ mod pty;
 mod record;
 mod recording;
 mod replay;
+mod run;
 mod screen;
 mod signals;
 mod sim;
+mod source;
 mod status;
+mod tap;
 mod wait;
 mod words;
 
-use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -46,7 +49,7 @@ Exit status:
 /// Controls a delta robot over a serial line, simulates it and the machines of two other protocols, and shows what
 /// passes on the line.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 100, after_help = STATUSES)]
+#[command(name = "deltarobot", version, max_term_width = 100, after_help = STATUSES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -64,6 +67,8 @@ enum Command {
     Status(operation::Plain),
     /// Cancels what the robot is doing
     Cancel(operation::Plain),
+    /// Makes requests from a file, one after the other
+    Run(run::Arguments),
     /// Shows the messages that come from a device, a file or standard input
     Monitor(monitor::Arguments),
     /// Shows the messages in bytes given on the command line
@@ -75,28 +80,18 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = Cli::try_parse().map_or_else(|error| explain(&error), |cli| run(&cli.command));
-    let (status, said) = match result {
-        Ok(status) => (status, None),
-        // Who reads what we print has seen enough.
-        Err(Failure::Output(error)) if error.kind() == ErrorKind::BrokenPipe => (Status::Finished, None),
-        Err(Failure::Output(error)) => (Status::Device, Some(status::text("standard output", &error))),
-        Err(Failure::Device(text)) => (Status::Device, Some(text)),
-        Err(Failure::Usage(text)) => (Status::Usage, Some(text)),
-    };
-    if let Some(said) = said {
-        screen::complain(&said);
-    }
-    status.into()
+    let result = Cli::try_parse().map_or_else(|error| explain(&error), |cli| dispatch(&cli.command));
+    result.unwrap_or_else(|failure| failure.end()).into()
 }
 
-fn run(command: &Command) -> Result<Status, Failure> {
+fn dispatch(command: &Command) -> Result<Status, Failure> {
     match command {
         Command::Sim(arguments) => sim::run(arguments),
         Command::Home(arguments) => operation::home(arguments),
         Command::Move(arguments) => operation::move_to(arguments),
         Command::Status(arguments) => operation::status(arguments),
         Command::Cancel(arguments) => operation::cancel(arguments),
+        Command::Run(arguments) => run::run(arguments),
         Command::Monitor(arguments) => monitor::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Record(arguments) => record::run(arguments),

@@ -1,25 +1,27 @@
 //! `deltarobot monitor`: what passes on a line, in words.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use chrono::{DateTime, Local, SecondsFormat, Utc};
+use rustix::event::PollFlags;
+use rustix::io::Errno;
 use serde_json::json;
 
-use crate::decoder::{Decoder, Lanes, Piece, QUIET_MS, SENDERS, Statistics, seconds};
-use crate::port::{Device, Speed};
+use crate::clock::{Clock, SLICE};
+use crate::decoder::{Decoder, Lanes, Piece, SENDERS, Statistics, seconds};
+use crate::port::{Device, GAP_PIPE, GAP_USB, Opening, PortOptions};
 use crate::protocol::Spoken;
-use crate::recording::{self, Side};
-use crate::screen::Screen;
+use crate::recording::{Side, Start};
+use crate::screen::{Screen, complain};
 use crate::signals::Signals;
+use crate::source::{self, CHUNK, Progress, Source};
 use crate::status::{Failure, Status};
 use crate::wait::wait;
-
-/// Bytes that are taken at a time: between two of these it is looked whether the user wants to end.
-const CHUNK: usize = 4096;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -38,126 +40,234 @@ pub(crate) struct Arguments {
     /// Who sends, where neither the source nor the message tells
     #[arg(long, value_enum, value_name = "SIDE")]
     from: Option<Side>,
+    /// Which times are shown: seconds since the beginning, or date and time
+    #[arg(long, value_enum, value_name = "KIND", default_value_t = Times::Relative)]
+    time: Times,
+    /// Waits for a device that is not there yet, and for one that has disappeared
+    #[arg(long)]
+    reconnect: bool,
     #[command(flatten)]
-    speed: Speed,
+    port: PortOptions,
+}
+
+/// How times are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Times {
+    Relative,
+    Local,
+    Utc,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
-    Monitor::new(arguments).watch(arguments, &signals)?;
-    Ok(Status::Finished)
+    let path = arguments.source.as_path();
+    if path.as_os_str() == "-" {
+        return Monitor::new(arguments, GAP_PIPE).watch_stream(Path::new("standard input"), &io::stdin(), &signals);
+    }
+    let kind = fs::metadata(path).map(|metadata| metadata.file_type());
+    let is_missing = arguments.reconnect && kind.is_err();
+    if is_missing || kind.as_ref().is_ok_and(FileTypeExt::is_char_device) {
+        return Monitor::new(arguments, GAP_USB).watch_device(arguments, &signals);
+    }
+    let kind = kind.map_err(|error| Failure::of_file(path.display(), &error))?;
+    if kind.is_dir() {
+        return Err(Failure::of(path.display(), "a directory"));
+    }
+    if kind.is_file() {
+        return Monitor::new(arguments, GAP_USB).watch_file(path, &signals);
+    }
+    let file = fs::File::open(path).map_err(|error| Failure::of_file(path.display(), &error))?;
+    Monitor::new(arguments, GAP_PIPE).watch_stream(path, &file, &signals)
 }
 
 struct Monitor {
     screen: Screen,
     json: bool,
+    times: Times,
+    /// What a time is by the clock on the wall.
+    start: Option<Start>,
     statistics: Statistics,
     /// When anything came last, from anybody and from each.
     last: Duration,
     heard: Lanes<Duration>,
     decoder: Box<dyn Decoder>,
+    /// What the user says that the gap is, and what it is.
+    given_gap: Option<Duration>,
+    gap: Duration,
     /// Who sends what comes, if the user knows.
     from: Option<Side>,
 }
 
 impl Monitor {
-    fn new(arguments: &Arguments) -> Self {
+    fn new(arguments: &Arguments, gap: Duration) -> Self {
         let protocol = arguments.spoken.protocol;
         Self {
             screen: Screen::new(),
             json: arguments.json,
+            times: arguments.time,
+            start: None,
             statistics: Statistics::new(protocol.terms()),
             last: Duration::ZERO,
             heard: Lanes::default(),
             decoder: protocol.decoder(),
+            given_gap: arguments.port.gap(),
+            gap: arguments.port.gap().unwrap_or(gap),
             from: arguments.from,
         }
     }
 
-    fn watch(&mut self, arguments: &Arguments, signals: &Signals) -> Result<(), Failure> {
-        let path = arguments.source.as_path();
-        if path.as_os_str() == "-" {
-            return self.watch_stream(Path::new("standard input"), &mut io::stdin().lock(), signals);
-        }
-        let failure = |error: &io::Error| Failure::of_file(path.display(), error);
-        let kind = fs::metadata(path).map_err(|error| failure(&error))?.file_type();
-        if kind.is_char_device() {
-            return self.watch_device(arguments, signals);
-        }
-        if kind.is_dir() {
-            return Err(Failure::of(path.display(), "a directory"));
-        }
-        let mut file = File::open(path).map_err(|error| failure(&error))?;
-        if !kind.is_file() {
-            return self.watch_stream(path, &mut file, signals);
-        }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(|error| failure(&error))?;
-        if recording::is_recording(&bytes) {
-            return self.watch_recording(path, &bytes, signals);
-        }
-        for bytes in bytes.chunks(CHUNK) {
-            if signals.came() {
-                break;
-            }
-            self.take(None, bytes, Duration::ZERO)?;
-        }
-        self.end()
+    fn begins_now(&mut self) {
+        self.start = Some(Start { time: Duration::ZERO, utc: Utc::now() });
     }
 
-    fn watch_device(&mut self, arguments: &Arguments, signals: &Signals) -> Result<(), Failure> {
-        let mut device = Device::open(&arguments.source, arguments.speed)?;
-        let began = Instant::now();
+    fn watch_device(mut self, arguments: &Arguments, signals: &Signals) -> Result<Status, Failure> {
+        let opening = Opening::new(&arguments.source, &arguments.port, arguments.reconnect);
+        let mut clock = Clock::new();
+        self.begins_now();
         let result = loop {
-            if signals.came() {
-                break Ok(());
-            }
-            match device.read(QUIET_MS) {
-                Ok([]) => self.idle(began.elapsed())?,
-                Ok(bytes) => self.take(None, bytes, began.elapsed())?,
+            let opened = opening.open(|| signals.came() || self.screen.is_abandoned());
+            let mut device = match opened {
+                Ok(Some(device)) => device,
+                Ok(None) => break Ok(()),
+                // Nothing was watched.
+                Err(failure) if self.last.is_zero() => return Err(failure),
                 Err(failure) => break Err(failure),
+            };
+            self.gap = device.gap();
+            match self.watch_open(&mut device, &mut clock, signals) {
+                Err(failure @ Failure::Device(_)) if arguments.reconnect => complain(&failure.to_string()),
+                result => break result,
             }
         };
         // A device that has gone was still worth being watched.
         self.end()?;
-        result
+        result.map(|()| Status::Finished)
     }
 
-    fn watch_stream(&mut self, name: &Path, stream: &mut (impl Read + AsFd), signals: &Signals) -> Result<(), Failure> {
-        let began = Instant::now();
-        let mut room = [0; CHUNK];
-        let (mut is_first, mut recording) = (true, Vec::new());
+    fn watch_open(&mut self, device: &mut Device, clock: &mut Clock, signals: &Signals) -> Result<(), Failure> {
         while !signals.came() {
-            if wait(stream, QUIET_MS).map_err(|error| Failure::of_file(name.display(), &error.into()))?.is_empty() {
-                self.idle(began.elapsed())?;
-                continue;
-            }
-            let count = stream.read(&mut room).map_err(|error| Failure::of_file(name.display(), &error))?;
-            let bytes = room.get(..count).unwrap_or_default();
-            let is_recording = !recording.is_empty() || is_first && recording::is_recording(bytes);
-            is_first = false;
-            match count {
-                0 if is_recording => return self.watch_recording(name, &recording, signals),
-                0 => break,
-                // The rest of it is waited for.
-                _ if is_recording => recording.extend_from_slice(bytes),
-                _ => self.take(None, bytes, began.elapsed())?,
+            if clock.receive(SLICE, |time| device.receive(time))?.is_some() {
+                self.take(None, device.bytes(), clock.now())?;
+                self.screen.flush()?;
+            } else {
+                self.idle(clock.now())?;
+                self.screen.flush()?;
+                if self.screen.is_abandoned() {
+                    break;
+                }
             }
         }
-        self.end()
+        Ok(())
     }
 
-    fn watch_recording(&mut self, name: &Path, text: &[u8], signals: &Signals) -> Result<(), Failure> {
-        let entries = recording::read(text).map_err(|error| Failure::of(name.display(), error))?;
-        for entry in &entries {
-            if signals.came() {
+    fn watch_stream(mut self, name: &Path, stream: &impl AsFd, signals: &Signals) -> Result<Status, Failure> {
+        let failure = |error: Errno| Failure::of_file(name.display(), &error.into());
+        let (mut clock, mut room, mut source) = (Clock::new(), vec![0; CHUNK], Source::new(name));
+        self.begins_now();
+        while !signals.came() {
+            let received = clock.receive(SLICE, |time| {
+                let happened = wait(stream, time).map_err(failure)?;
+                if happened.is_empty() {
+                    return Ok(None);
+                }
+                // What is already there, as more may be; the end is 0 bytes.
+                match rustix::io::read(stream, &mut room) {
+                    Ok(count) => Ok(Some(count)),
+                    Err(Errno::AGAIN | Errno::INTR) => Ok(None),
+                    Err(_) if !happened.contains(PollFlags::IN) => Ok(Some(0)),
+                    Err(error) => Err(failure(error)),
+                }
+            })?;
+            match received {
+                Some(0) => break,
+                Some(count) => {
+                    let bytes = room.get(..count).unwrap_or_default();
+                    self.take_from(&mut source, bytes, clock.now(), signals)?;
+                }
+                None => {
+                    self.idle_stream(clock.now(), &source)?;
+                    if self.screen.is_abandoned() {
+                        break;
+                    }
+                }
+            }
+            self.screen.flush()?;
+        }
+        self.finish(source)
+    }
+
+    /// In a recording it is the times of its entries that count.
+    fn idle_stream(&mut self, now: Duration, source: &Source) -> Result<(), Failure> {
+        if source.is_recording() { Ok(()) } else { self.idle(now) }
+    }
+
+    fn watch_file(mut self, path: &Path, signals: &Signals) -> Result<Status, Failure> {
+        let (mut file, mut source) = (Progress::open(path)?, Source::new(path));
+        // Before anything is shown, all of it has to be readable.
+        while !signals.came() {
+            let bytes = file.read()?;
+            if bytes.is_empty() {
+                source.end(|_| Ok(true))?;
                 break;
             }
-            self.take(Some(entry.from), &entry.bytes, entry.time)?;
+            source.feed(bytes, |_| Ok(true))?;
+            if !source.is_recording() {
+                break;
+            }
         }
-        self.end()
+        let (mut file, mut source) = (Progress::open(path)?, Source::new(path));
+        loop {
+            let bytes = file.read()?;
+            if bytes.is_empty() || signals.came() {
+                break;
+            }
+            for bytes in bytes.chunks(CHUNK / 16) {
+                if signals.is_raised() {
+                    break;
+                }
+                self.take_from(&mut source, bytes, Duration::ZERO, signals)?;
+                self.screen.flush()?;
+            }
+        }
+        self.finish(source)
     }
 
+    fn take_from(
+        &mut self,
+        source: &mut Source,
+        bytes: &[u8],
+        now: Duration,
+        signals: &Signals,
+    ) -> Result<(), Failure> {
+        source.feed(bytes, |piece| self.take_piece(&piece, now).map(|()| !signals.is_raised()))
+    }
+
+    fn take_piece(&mut self, piece: &source::Piece, now: Duration) -> Result<(), Failure> {
+        match piece {
+            source::Piece::Raw(bytes) => self.take(None, bytes, now),
+            source::Piece::Entry(entry, parser) => {
+                self.start = parser.start();
+                if self.start.is_none() && self.times != Times::Relative {
+                    return Err(Failure::Usage("--time: the recording does not say when it was recorded".into()));
+                }
+                if let Some(gap) = parser.gap() {
+                    self.gap = self.given_gap.unwrap_or(gap);
+                }
+                self.take(Some(entry.from), &entry.bytes, entry.time)
+            }
+        }
+    }
+
+    fn finish(mut self, mut source: Source) -> Result<Status, Failure> {
+        let last = self.last;
+        let result = source.end(|piece| self.take_piece(&piece, last).map(|()| true));
+        source.complain_about_damage();
+        self.end()?;
+        result.map(|()| Status::Finished)
+    }
+}
+
+impl Monitor {
     fn take(&mut self, from: Option<Side>, bytes: &[u8], time: Duration) -> Result<(), Failure> {
         self.idle(time)?;
         let from = from.or(self.from);
@@ -165,15 +275,15 @@ impl Monitor {
         self.last = time;
         self.statistics.count_bytes(bytes);
         let pieces = self.decoder.feed(from, bytes);
-        self.tell(&pieces, time)
+        self.show(&pieces, time)
     }
 
     /// It is now. What ends by silence has the time of its last byte.
     fn idle(&mut self, now: Duration) -> Result<(), Failure> {
         for from in SENDERS {
             let heard = *self.heard.of(from);
-            let pieces = self.decoder.idle(from, now.saturating_sub(heard));
-            self.tell(&pieces, heard)?;
+            let pieces = self.decoder.idle(from, now.saturating_sub(heard), self.gap);
+            self.show(&pieces, heard)?;
         }
         Ok(())
     }
@@ -183,24 +293,37 @@ impl Monitor {
         for from in SENDERS {
             let pieces = self.decoder.end(from);
             let heard = *self.heard.of(from);
-            self.tell(&pieces, heard)?;
+            self.show(&pieces, heard)?;
         }
         let it = &self.statistics;
-        Ok(if self.json { self.screen.json(&it.json(self.last)) } else { self.screen.line(&it.text(self.last)) }?)
+        if self.json { self.screen.put_json(&it.json(self.last)) } else { self.screen.put(&it.text(self.last)) }?;
+        Ok(self.screen.flush()?)
     }
 
-    fn tell(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
+    fn show(&mut self, pieces: &[Piece], time: Duration) -> Result<(), Failure> {
         for piece in pieces {
             self.statistics.count(piece);
             let from = piece.from;
+            let date = self.start.map(|start| start.at(time)).filter(|_| self.times != Times::Relative);
             if self.json {
-                let when = json!({ "time": seconds(time), "from": from.map(Side::name) });
-                self.screen.json(&piece.add_to(when))?;
+                let mut when = json!({ "time": seconds(time), "from": from.map(Side::name) });
+                if let (Some(date), Some(when)) = (date, when.as_object_mut()) {
+                    when.insert("date".into(), self.date_text(date).into());
+                }
+                self.screen.put_json(&piece.add_to(when))?;
             } else {
                 let arrow = from.map_or(' ', Side::arrow);
-                self.screen.line(&format!("{:10.3} {arrow} {}", time.as_secs_f64(), piece.text))?;
+                let time = date.map_or_else(|| format!("{:10.3}", time.as_secs_f64()), |date| self.date_text(date));
+                self.screen.put(&format!("{time} {arrow} {}", piece.text))?;
             }
         }
         Ok(())
+    }
+
+    fn date_text(&self, date: DateTime<Utc>) -> String {
+        match self.times {
+            Times::Local => date.with_timezone(&Local).to_rfc3339_opts(SecondsFormat::Millis, false),
+            _ => date.to_rfc3339_opts(SecondsFormat::Millis, true),
+        }
     }
 }

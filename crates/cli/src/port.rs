@@ -1,64 +1,296 @@
-//! The serial port as the program's arguments name it.
+//! The ports that the program's arguments name.
 
-use std::ffi::{CString, c_long};
-use std::mem::MaybeUninit;
-use std::os::unix::ffi::OsStrExt;
-use std::path::Path;
+mod serial;
 
-use deltarobot::port::{Failed, Port, Settings};
+use std::fmt;
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use crate::status::Failure;
+use rustix::event::PollFlags;
+use rustix::io::Errno;
+use rustix::termios::tcdrain;
+use serial2::SerialPort;
 
-/// How long a write may wait for room, in milliseconds. At 115200 baud the system's buffer is empty after half of that.
-const WRITE_MS: c_long = 1000;
+use crate::screen::complain;
+use crate::status::{Failure, system_text};
+use crate::wait::{wait, wait_for};
 
-/// How a device is set.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(crate) struct Speed {
-    /// Speed of the line in baud
-    #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
+/// How long a write may wait for room. At 115200 baud the system's buffer is empty after half of that.
+const WRITE_TIME: Duration = Duration::from_secs(1);
+
+/// How often it is tried to open a port that is not there.
+const RETRY: Duration = Duration::from_millis(200);
+
+/// The gap within a message of a sender whose bytes come as they are sent; of those that come through a USB converter
+/// or another program; and of those from a pipe, which may come from a network, where a lost packet comes again after 200
+/// ms at the soonest.
+const GAP_DIRECT: Duration = Duration::from_millis(50);
+pub(crate) const GAP_USB: Duration = Duration::from_millis(250);
+pub(crate) const GAP_PIPE: Duration = Duration::from_secs(1);
+
+/// How a port is opened.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Options of the port")]
+pub(crate) struct PortOptions {
+    /// Speed of the line in baud: any that the hardware has
+    #[arg(long, value_name = "BAUD", default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1..))]
     baud: u32,
+    /// Sets the line DTR once the port is open. Opening raises it, which resets many boards
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    dtr: Option<Level>,
+    /// Sets the line RTS once the port is open
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    rts: Option<Level>,
+    /// What becomes of DTR and RTS when the port is closed. Kept, they do not rise at the next opening, which then
+    /// resets nothing
+    #[arg(long, value_enum, value_name = "WHAT")]
+    at_close: Option<AtClose>,
+    /// Silence after which an incomplete message is given up; by default 50 for a UART of this machine, 250 for a USB
+    /// converter, another program or a recording, and 1000 for a pipe
+    #[arg(long, value_name = "MILLISECONDS", value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    gap: Option<u32>,
+    /// Waits so long for a port that is not there, or in use
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    wait_for_port: Option<f64>,
+}
+
+impl PortOptions {
+    /// The silence that ends a message.
+    pub(crate) fn gap(&self) -> Option<Duration> {
+        self.gap.map(|gap| Duration::from_millis(gap.into()))
+    }
+}
+
+/// A time of up to a day.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=86_400.0).contains(&seconds) => Ok(seconds),
+        _ => Err("not a number of seconds from 0 to 86400".into()),
+    }
+}
+
+/// The level of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Level {
+    On,
+    Off,
+}
+
+impl Level {
+    fn is_on(self) -> bool {
+        self == Self::On
+    }
+}
+
+/// What becomes of the lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum AtClose {
+    Keep,
+    Drop,
+}
+
+/// Why a port can't be used.
+enum Cause {
+    System(io::Error),
+    /// The group that may.
+    NotAllowed(Option<String>),
+    InUse,
+    NoSerialPort,
+    OwnTerminal,
+    NotTaken(u32),
+    NoLine(&'static str),
+    Disconnected,
+    TimedOut,
+}
+
+impl From<Errno> for Cause {
+    /// What an error of a device that was open means.
+    fn from(error: Errno) -> Self {
+        match error {
+            Errno::IO | Errno::NXIO | Errno::NODEV | Errno::PIPE | Errno::CONNRESET => Self::Disconnected,
+            _ => Self::System(error.into()),
+        }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::System(error) => f.write_str(&system_text(error)),
+            Self::NotAllowed(None) => f.write_str("Permission denied"),
+            Self::NotAllowed(Some(group)) => write!(
+                f,
+                "Permission denied; members of the group {group} may use it (`sudo usermod -aG {group} $USER`, then \
+                 log in again)"
+            ),
+            Self::InUse => f.write_str("in use by another program"),
+            Self::NoSerialPort => f.write_str("not a serial port"),
+            Self::OwnTerminal => f.write_str("the terminal that this program runs in"),
+            Self::NotTaken(baud) => write!(f, "can't be set to {baud} baud 8N1"),
+            Self::NoLine(name) => write!(f, "has no line {name}"),
+            Self::Disconnected => f.write_str("disconnected"),
+            Self::TimedOut => f.write_str("no bytes were taken in time"),
+        }
+    }
+}
+
+/// Opens a port, as soon as that is possible.
+pub(crate) struct Opening<'a> {
+    path: &'a Path,
+    options: &'a PortOptions,
+    /// How long it is waited for; `None` for ever.
+    patience: Option<Duration>,
+}
+
+impl<'a> Opening<'a> {
+    pub(crate) fn new(path: &'a Path, options: &'a PortOptions, reconnects: bool) -> Self {
+        let patience = Duration::from_secs_f64(options.wait_for_port.unwrap_or_default());
+        Self { path, options, patience: (!reconnects).then_some(patience) }
+    }
+
+    /// `None` when it `is_given_up` before.
+    pub(crate) fn open(&self, mut is_given_up: impl FnMut() -> bool) -> Result<Option<Device>, Failure> {
+        let (began, mut complaint) = (Instant::now(), None);
+        loop {
+            let failure = match Device::open(self.path, self.options) {
+                Ok(device) => return Ok(Some(device)),
+                Err(failure) => failure,
+            };
+            if self.patience.is_some_and(|patience| began.elapsed() >= patience) {
+                return Err(failure);
+            }
+            let text = failure.to_string();
+            if complaint.as_ref() != Some(&text) {
+                complain(&format!("{text}; waiting"));
+                complaint = Some(text);
+            }
+            for _ in 0..RETRY.as_millis() / 20 {
+                if is_given_up() {
+                    return Ok(None);
+                }
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
+    }
 }
 
 /// An open port.
 pub(crate) struct Device {
-    port: Port,
-    room: [MaybeUninit<u8>; 4096],
+    path: PathBuf,
+    port: SerialPort,
+    gap: Duration,
+    room: Box<[u8; 4096]>,
+    /// How many bytes were read last.
+    count: usize,
 }
 
 impl Device {
-    pub(crate) fn open(path: &Path, speed: Speed) -> Result<Self, Failure> {
-        let name = CString::new(path.as_os_str().as_bytes())
-            .map_err(|_| Failure::Usage("a device's name can't contain a zero byte".into()))?;
-        let mut port = Port::new();
-        port.open(&name, &Settings::at(speed.baud.into())).map_err(|Failed| failure(&port))?;
-        Ok(Self { port, room: [MaybeUninit::uninit(); 4096] })
+    pub(crate) fn open(path: &Path, options: &PortOptions) -> Result<Self, Failure> {
+        let port = serial::open_serial(path, options).map_err(|cause| Failure::of(path.display(), cause))?;
+        let gap = if serial::is_direct(path) { GAP_DIRECT } else { GAP_USB };
+        // At low speeds, the time of some bytes.
+        let gap = gap.max(Duration::from_secs(200) / options.baud);
+        Ok(Self {
+            path: path.to_owned(),
+            port,
+            gap: options.gap().unwrap_or(gap),
+            room: Box::new([0; 4096]),
+            count: 0,
+        })
     }
 
-    /// What has come, waited for at most so many milliseconds. Nothing when none came or a signal did.
-    pub(crate) fn read(&mut self, timeout_ms: u32) -> Result<&[u8], Failure> {
-        match self.port.read(&mut self.room, timeout_ms.into()) {
-            Ok(bytes) => Ok(bytes),
-            Err(Failed) => Err(failure(&self.port)),
+    /// The silence that ends a message.
+    pub(crate) const fn gap(&self) -> Duration {
+        self.gap
+    }
+
+    /// How long an answer may take, unless the user says how long.
+    #[expect(clippy::unused_self, reason = "it depends on the kind of port")]
+    pub(crate) const fn answer_time(&self) -> Duration {
+        Duration::from_millis(250)
+    }
+
+    /// Reads what has come, waiting for at most so long: [`bytes`](Self::bytes). `None` when nothing has, or a signal
+    /// did.
+    pub(crate) fn receive(&mut self, time: Duration) -> Result<Option<()>, Failure> {
+        self.count = self.try_to_read(time).map_err(|cause| self.failure(cause))?;
+        Ok((self.count > 0).then_some(()))
+    }
+
+    fn try_to_read(&mut self, time: Duration) -> Result<usize, Cause> {
+        let happened = wait(&self.port, time)?;
+        if happened.is_empty() {
+            return Ok(0);
+        }
+        // Even if the device is gone: there may be something left to read.
+        if !happened.contains(PollFlags::IN) {
+            return Err(Cause::Disconnected);
+        }
+        match rustix::io::read(&self.port, self.room.as_mut_slice()) {
+            // There was something to read, so nothing is the end.
+            Ok(0) => Err(Cause::Disconnected),
+            Ok(count) => Ok(count),
+            Err(Errno::AGAIN | Errno::INTR) => Ok(0),
+            Err(error) => Err(error.into()),
         }
     }
 
+    /// What was read last.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        self.room.get(..self.count).unwrap_or_default()
+    }
+
     pub(crate) fn write(&mut self, bytes: &[u8]) -> Result<(), Failure> {
-        self.port.send(bytes, WRITE_MS).map_err(|Failed| failure(&self.port))
+        self.try_to_write(bytes).map_err(|cause| self.failure(cause))
+    }
+
+    fn try_to_write(&self, mut bytes: &[u8]) -> Result<(), Cause> {
+        let began = Instant::now();
+        while !bytes.is_empty() {
+            match rustix::io::write(&self.port, bytes) {
+                Ok(written @ 1..) => bytes = bytes.get(written..).unwrap_or_default(),
+                Err(Errno::INTR) => (),
+                Ok(0) | Err(Errno::AGAIN) => {
+                    let left = WRITE_TIME.saturating_sub(began.elapsed());
+                    if left.is_zero() {
+                        return Err(Cause::TimedOut);
+                    }
+                    let happened = wait_for(&self.port, PollFlags::OUT, left)?;
+                    if !happened.is_empty() && !happened.contains(PollFlags::OUT) {
+                        return Err(Cause::Disconnected);
+                    }
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
     }
 
     /// Waits until all was sent.
     pub(crate) fn drain(&mut self) -> Result<(), Failure> {
-        self.port.drain().map_err(|Failed| failure(&self.port))
+        loop {
+            match tcdrain(&self.port) {
+                Err(Errno::INTR) => (),
+                result => return result.map_err(|error| self.failure(error.into())),
+            }
+        }
+    }
+
+    fn failure(&self, cause: Cause) -> Failure {
+        Failure::of(self.path.display(), cause)
+    }
+}
+
+impl AsFd for Device {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.port.as_fd()
     }
 }
 
 impl Drop for Device {
     fn drop(&mut self) {
-        self.port.close();
+        serial::release(&self.port);
     }
-}
-
-fn failure(port: &Port) -> Failure {
-    Failure::Device(port.error().to_string_lossy().into_owned())
 }

@@ -1,9 +1,10 @@
 //! A pseudo-terminal: a device that this program plays.
 
 use std::fs;
-use std::io;
-use std::os::fd::OwnedFd;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use rustix::event::PollFlags;
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
@@ -12,6 +13,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use crate::status::Failure;
+use crate::tap::Note;
 use crate::wait::wait;
 
 /// The far end of a device which other programs open by its path.
@@ -19,6 +21,8 @@ pub(crate) struct Pty {
     fd: OwnedFd,
     path: PathBuf,
     link: Option<PathBuf>,
+    /// Kept for its drop alone.
+    note: Option<Note>,
 }
 
 /// What came from the other program.
@@ -34,9 +38,15 @@ impl Pty {
     pub(crate) fn new(link: Option<&Path>) -> Result<Self, Failure> {
         let (fd, path) = Self::open().map_err(|error| Failure::of_file("no pseudo-terminal", &error.into()))?;
         if let Some(link) = link {
-            make_link(&path, link).map_err(|error| Failure::of_file(link.display(), &error))?;
+            make_link(&path, link)?;
         }
-        Ok(Self { fd, path, link: link.map(Path::to_owned) })
+        Ok(Self { fd, path, link: link.map(Path::to_owned), note: None })
+    }
+
+    /// Says which device it is the tap of.
+    pub(crate) fn stands_before(mut self, device: &Path) -> Self {
+        self.note = Note::leave(&self.path, device);
+        self
     }
 
     fn open() -> Result<(OwnedFd, PathBuf), Errno> {
@@ -59,9 +69,9 @@ impl Pty {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// Reads what has come, waiting for at most so many milliseconds.
-    pub(crate) fn read(&self, out: &mut [u8], timeout_ms: u32) -> Result<Input, Failure> {
-        if self.wait(timeout_ms)?.contains(PollFlags::IN) {
+    /// Reads what has come, waiting for at most so long.
+    pub(crate) fn read(&self, out: &mut [u8], time: Duration) -> Result<Input, Failure> {
+        if self.wait(time)?.contains(PollFlags::IN) {
             return match rustix::io::read(&self.fd, out) {
                 Ok(0) | Err(Errno::IO) => Ok(Input::Nobody),
                 Ok(count) => Ok(Input::Bytes(count)),
@@ -73,12 +83,12 @@ impl Pty {
     }
 
     /// Whether a program has the device open.
-    fn is_open(&self) -> Result<bool, Failure> {
-        Ok(!self.wait(0)?.contains(PollFlags::HUP))
+    pub(crate) fn is_open(&self) -> Result<bool, Failure> {
+        Ok(!self.wait(Duration::ZERO)?.contains(PollFlags::HUP))
     }
 
-    fn wait(&self, timeout_ms: u32) -> Result<PollFlags, Failure> {
-        wait(&self.fd, timeout_ms).map_err(|error| self.failure(error))
+    fn wait(&self, time: Duration) -> Result<PollFlags, Failure> {
+        wait(&self.fd, time).map_err(|error| self.failure(error))
     }
 
     /// Writes what there is room for. A line does not wait for who reads too slowly, or not at all.
@@ -97,6 +107,12 @@ impl Pty {
     }
 }
 
+impl AsFd for Pty {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.fd.as_fd()
+    }
+}
+
 impl Drop for Pty {
     fn drop(&mut self) {
         if let Some(link) = &self.link
@@ -107,10 +123,17 @@ impl Drop for Pty {
     }
 }
 
-/// Replaces what an earlier run may have left, and nothing else.
-fn make_link(path: &Path, link: &Path) -> io::Result<()> {
-    if fs::read_link(link).is_ok_and(|target| target.starts_with("/dev/pts")) {
-        fs::remove_file(link)?;
+/// Replaces what a run that was killed may have left, and nothing else: a link to a pseudo-terminal that is gone, or to
+/// the number that this one has now.
+fn make_link(path: &Path, link: &Path) -> Result<(), Failure> {
+    if let Ok(target) = fs::read_link(link)
+        && target.starts_with("/dev/pts")
+    {
+        if target != path && target.exists() {
+            let name = target.display();
+            return Err(Failure::of(link.display(), format!("in use by another program, whose device is {name}")));
+        }
+        fs::remove_file(link).map_err(|error| Failure::of_file(link.display(), &error))?;
     }
-    std::os::unix::fs::symlink(path, link)
+    symlink(path, link).map_err(|error| Failure::of_file(link.display(), &error))
 }

@@ -1,111 +1,157 @@
 //! `deltarobot record`: a session on a device, written to a file.
 
-use std::fs::File;
-use std::io::Write;
-use std::path::PathBuf;
-use std::time::Instant;
+mod file;
 
-use crate::port::{Device, Speed};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::clock::{Clock, SLICE};
+use crate::port::{Device, Opening, PortOptions};
 use crate::pty::{Input, Pty};
-use crate::recording::{Entry, HEADER, Side};
-use crate::screen::Screen;
+use crate::recording::Side;
+use crate::screen::{Screen, complain};
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
+use file::{FileOptions, Recorder};
 
-/// How long either end waits for the other to be looked at, in milliseconds.
-const TURN_MS: u32 = 5;
+/// How long bytes of the device may wait while it is looked whether a program has opened the tap.
+const TURN: Duration = Duration::from_millis(5);
+/// How long a tap that is to end still passes on, for a program that uses it: that may have been asked to end too, and
+/// have a motion to cancel.
+const LINGER: Duration = Duration::from_secs(2);
 
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "The file is text, with a line for each run of bytes: seconds since the beginning, > for what the \
-    host sent or < for what came from the controller, and the bytes as hexadecimal digits. Ends with Ctrl-C."
+    host sent or < for what came from the controller, and the bytes as hexadecimal digits. Ends with Ctrl-C; a tap \
+    that a program uses, two seconds later or when that ends."
 )]
 pub(crate) struct Arguments {
     /// The device, with the controller at its other end
     port: PathBuf,
-    /// The file to write; `-` is standard output
-    file: PathBuf,
+    #[command(flatten)]
+    file: FileOptions,
     /// Makes a pseudo-terminal for a host program, prints its path, passes on everything and records both directions
     #[arg(long)]
     tap: bool,
     /// A symbolic link to make to that pseudo-terminal
     #[arg(long, value_name = "PATH", requires = "tap")]
     link: Option<PathBuf>,
+    /// Waits for a device that is not there yet, and for one that has disappeared
+    #[arg(long)]
+    reconnect: bool,
     #[command(flatten)]
-    speed: Speed,
+    options: PortOptions,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
-    let mut device = Device::open(&arguments.port, arguments.speed)?;
+    arguments.file.check()?;
+    let opening = Opening::new(&arguments.port, &arguments.options, arguments.reconnect);
+    let Some(device) = opening.open(|| signals.is_raised())? else { return Ok(Status::Finished) };
     // The file last: what is there stays if anything else is missing.
-    let pty = if arguments.tap { Some(Pty::new(arguments.link.as_deref())?) } else { None };
-    let mut file = Recorder::create(arguments)?;
-    let Some(pty) = pty else {
-        while !signals.came() {
-            let bytes = device.read(1000)?;
-            file.note(Side::Controller, bytes)?;
-        }
-        return Ok(Status::Finished);
+    let pty = if arguments.tap {
+        Some(Pty::new(arguments.link.as_deref())?.stands_before(&arguments.port))
+    } else {
+        None
     };
-    if !file.is_output() {
+    let file = Recorder::create(&arguments.file, device.gap())?;
+    if let Some(pty) = pty.as_ref().filter(|_| !file.is_output()) {
         Screen::new().line(&pty.path().display().to_string())?;
     }
-    let mut room = [0; 4096];
-    while !signals.came() {
-        let bytes = device.read(TURN_MS)?;
-        file.note(Side::Controller, bytes)?;
-        if !bytes.is_empty() {
-            pty.write(bytes)?;
-        }
-        if let Input::Bytes(count) = pty.read(&mut room, 0)? {
-            let bytes = room.get(..count).unwrap_or_default();
-            file.note(Side::Host, bytes)?;
-            device.write(bytes)?;
+    let mut session = Session { device, pty, file, clock: Clock::new(), room: vec![0; 4096] };
+    loop {
+        match session.run(&signals) {
+            Err(failure @ Failure::Device(_)) if arguments.reconnect && !session.file.has_failed() => {
+                complain(&failure.to_string());
+                match opening.open(|| signals.is_raised())? {
+                    Some(device) => session.device = device,
+                    None => return Ok(Status::Finished),
+                }
+            }
+            result => return result.map(|()| Status::Finished),
         }
     }
-    Ok(Status::Finished)
 }
 
-/// The file that is written.
-struct Recorder {
-    name: PathBuf,
-    /// `None` for standard output.
-    file: Option<File>,
-    began: Instant,
+/// The line between a host program and a device.
+struct Session {
+    device: Device,
+    pty: Option<Pty>,
+    file: Recorder,
+    clock: Clock,
+    room: Vec<u8>,
 }
 
-impl Recorder {
-    fn create(arguments: &Arguments) -> Result<Self, Failure> {
-        let name = arguments.file.clone();
-        let file = if name.as_os_str() == "-" {
-            None
-        } else {
-            Some(File::create(&name).map_err(|error| Failure::of_file(name.display(), &error))?)
-        };
-        let mut recorder = Self { name, file, began: Instant::now() };
-        recorder.line(format!("{HEADER}\n").as_bytes())?;
-        Ok(recorder)
-    }
-
-    const fn is_output(&self) -> bool {
-        self.file.is_none()
-    }
-
-    fn note(&mut self, from: Side, bytes: &[u8]) -> Result<(), Failure> {
-        if bytes.is_empty() {
-            return Ok(());
-        }
-        let mut line = Vec::new();
-        Entry { time: self.began.elapsed(), from, bytes: bytes.to_vec() }.write(&mut line)?;
-        self.line(&line)
-    }
-
-    /// At once: what is recorded is there even if the program is killed.
-    fn line(&mut self, line: &[u8]) -> Result<(), Failure> {
-        match &mut self.file {
-            Some(file) => file.write_all(line).map_err(|error| Failure::of_file(self.name.display(), &error)),
-            None => Ok(Screen::new().raw(line)?),
+impl Session {
+    fn run(&mut self, signals: &Signals) -> Result<(), Failure> {
+        let mut ends_at = None;
+        loop {
+            if signals.came() {
+                let is_used = self.pty.as_ref().map_or(Ok(false), Pty::is_open)?;
+                if !is_used || ends_at.is_some() {
+                    return Ok(());
+                }
+                ends_at = Some(Instant::now() + LINGER);
+            }
+            if let Some(ends_at) = ends_at
+                && (Instant::now() >= ends_at || !self.pty.as_ref().map_or(Ok(false), Pty::is_open)?)
+            {
+                return Ok(());
+            }
+            if !self.pass_on()? && self.file.is_abandoned() {
+                return Ok(());
+            }
         }
     }
+
+    /// Passes on what comes, and records it. Returns whether anything came.
+    fn pass_on(&mut self) -> Result<bool, Failure> {
+        let Self { device, pty, file, clock, room } = self;
+        let received = clock.receive(SLICE, |time| {
+            if !time.is_zero() {
+                wait_for_either(device, pty.as_ref(), time)?;
+            }
+            if device.receive(Duration::ZERO)?.is_some() {
+                return Ok(Some((Side::Controller, 0)));
+            }
+            let Some(pty) = pty else { return Ok(None) };
+            match pty.read(room, Duration::ZERO)? {
+                Input::Bytes(0) | Input::Nobody => Ok(None),
+                Input::Bytes(count) => Ok(Some((Side::Host, count))),
+            }
+        })?;
+        match received {
+            None => return Ok(false),
+            // Passed on first: the file may be slow.
+            Some((Side::Controller, _)) => {
+                if let Some(pty) = pty {
+                    pty.write(device.bytes())?;
+                }
+                file.note(clock.now(), Side::Controller, device.bytes())?;
+            }
+            Some((Side::Host, count)) => {
+                let bytes = room.get(..count).unwrap_or_default();
+                let written = device.write(bytes);
+                file.note(clock.now(), Side::Host, bytes)?;
+                written?;
+            }
+        }
+        Ok(true)
+    }
+}
+
+fn wait_for_either(device: &mut Device, pty: Option<&Pty>, time: Duration) -> Result<(), Failure> {
+    let mut polled = vec![PollFd::new(&*device, PollFlags::IN)];
+    // One that nobody has open would end the waiting at once.
+    let mut time = time;
+    if let Some(pty) = pty {
+        if pty.is_open()? { polled.push(PollFd::new(pty, PollFlags::IN)) } else { time = time.min(TURN) }
+    }
+    let time = Timespec::try_from(time).unwrap_or_default();
+    // What is wrong shows when it is read.
+    let _ = poll(&mut polled, Some(&time));
+    Ok(())
 }

@@ -7,9 +7,11 @@ mod line;
 mod random;
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use crate::clock::Clock;
 use crate::decoder::{Decoder, Piece};
+use crate::port::GAP_USB;
 use crate::protocol::{Protocol, Spoken};
 use crate::pty::{Input, Pty};
 use crate::recording::Side;
@@ -19,9 +21,8 @@ use crate::status::{Failure, Status};
 use faults::Faults;
 use random::Random;
 
-/// How often a machine is moved on, in milliseconds.
-const TICK_MS: u32 = 5;
-const TICK: Duration = Duration::from_millis(TICK_MS as u64);
+/// How often a machine is moved on.
+const TICK: Duration = Duration::from_millis(5);
 
 /// What is at the other end of the line. Times are since the simulation began.
 trait Machine {
@@ -136,7 +137,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         watcher,
         pty,
         faults: Faults::new(arguments.lose, arguments.flip, Random::new(arguments.seed)),
-        began: Instant::now(),
+        clock: Clock::new(),
     }
     .run(&signals, arguments.disconnect_after.map(Duration::from_secs_f64))
 }
@@ -146,7 +147,7 @@ struct Sim {
     watcher: Option<Watcher>,
     pty: Pty,
     faults: Faults,
-    began: Instant,
+    clock: Clock,
 }
 
 impl Sim {
@@ -156,23 +157,27 @@ impl Sim {
         let mut turned = Duration::ZERO;
         let mut disconnect_at = None;
         while !signals.came() {
-            let input = self.pty.read(&mut room, TICK_MS)?;
-            let now = self.began.elapsed();
             let was_open = is_open;
-            is_open = !matches!(input, Input::Nobody);
+            let received = self.clock.receive(TICK, |time| match self.pty.read(&mut room, time)? {
+                Input::Bytes(count) => {
+                    is_open = true;
+                    Ok((count > 0).then_some(count))
+                }
+                Input::Nobody => {
+                    is_open = false;
+                    // Waiting for somebody, which poll(2) does not do.
+                    std::thread::sleep(time);
+                    Ok(None)
+                }
+            })?;
+            let now = self.clock.now();
             if is_open && !was_open {
                 self.machine.connected(now);
             }
-            match input {
-                Input::Bytes(0) => (),
-                Input::Bytes(count) => {
-                    disconnect_at = disconnect_at.or(disconnect_after.map(|after| now + after));
-                    self.receive(room.get(..count).unwrap_or_default(), now)?;
-                }
-                // Waiting for somebody, which poll(2) does not do.
-                Input::Nobody => std::thread::sleep(TICK),
+            if let Some(count) = received {
+                disconnect_at = disconnect_at.or(disconnect_after.map(|after| now + after));
+                self.receive(room.get(..count).unwrap_or_default(), now)?;
             }
-            let now = self.began.elapsed();
             if disconnect_at.is_some_and(|at| at <= now) {
                 break;
             }
@@ -232,7 +237,7 @@ impl Watcher {
 
     /// What the host said by halves may have ended.
     fn idle(&mut self, now: Duration) -> Result<(), Failure> {
-        let pieces = self.decoder.idle(Some(Side::Host), now.saturating_sub(self.heard));
+        let pieces = self.decoder.idle(Some(Side::Host), now.saturating_sub(self.heard), GAP_USB);
         self.show(&pieces, self.heard)
     }
 

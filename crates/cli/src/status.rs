@@ -1,8 +1,10 @@
 //! How the program ends.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::process::ExitCode;
+
+use crate::screen::complain;
 
 /// The exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,16 +41,37 @@ impl Failure {
         Self::Device(format!("{name}: {error}"))
     }
 
+    /// Says what it is, and how the program ends for it.
+    pub(crate) fn end(&self) -> Status {
+        if let Self::Output(error) = self
+            && error.kind() == io::ErrorKind::BrokenPipe
+        {
+            // Who reads what we print has seen enough.
+            return Status::Finished;
+        }
+        complain(&self.to_string());
+        if matches!(self, Self::Usage(_)) { Status::Usage } else { Status::Device }
+    }
+
     /// The same for an error of the system.
     pub(crate) fn of_file(name: impl Display, error: &io::Error) -> Self {
-        Self::Device(text(name, error))
+        Self::of(name, system_text(error))
     }
 }
 
-/// A name and what is the matter with it, worded without Rust's additions.
-pub(crate) fn text(name: impl Display, error: &io::Error) -> String {
+/// An error of the system, worded without Rust's additions.
+pub(crate) fn system_text(error: &io::Error) -> String {
     let text = error.to_string();
-    format!("{name}: {}", text.split(" (os error").next().unwrap_or(&text))
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Device(text) | Self::Usage(text) => f.write_str(text),
+            Self::Output(error) => write!(f, "standard output: {}", system_text(error)),
+        }
+    }
 }
 
 impl From<io::Error> for Failure {

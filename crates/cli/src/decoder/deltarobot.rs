@@ -1,10 +1,8 @@
 //! Frames of the deltarobot message format.
 
-use std::collections::VecDeque;
 use std::time::Duration;
 
-use deltarobot_protocols::config::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
-use deltarobot_protocols::deltarobot::{FRAME_END, FRAME_OVERHEAD, FRAME_START, Opcode, Ring};
+use deltarobot_protocols::deltarobot::{FRAME_HEAD, FRAME_OVERHEAD, Fault, Opcode, Verdict, encode, judge};
 use serde_json::json;
 
 use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
@@ -19,6 +17,9 @@ pub(crate) const TERMS: Terms = Terms {
     damaged_member: "checksum_failures",
 };
 
+/// Payloads are no longer, as the library's are by default.
+const PAYLOAD_LONGEST: usize = 32;
+
 /// Finds frames as the library does, and keeps what it throws away.
 #[derive(Default)]
 pub(crate) struct Frames {
@@ -30,8 +31,15 @@ impl Decoder for Frames {
         self.lanes.of(from).feed(bytes).iter().map(|found| found.piece(from)).collect()
     }
 
-    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece> {
-        let found = if silence < QUIET { Vec::new() } else { self.lanes.of(from).idle() };
+    fn idle(&mut self, from: Option<Side>, silence: Duration, gap: Duration) -> Vec<Piece> {
+        let lane = self.lanes.of(from);
+        let mut found = Vec::new();
+        if silence >= gap {
+            lane.search(true, &mut found);
+        }
+        if silence >= QUIET.min(gap) {
+            lane.tell_garbage(&mut found);
+        }
         found.iter().map(|found| found.piece(from)).collect()
     }
 }
@@ -79,49 +87,43 @@ const fn sender(opcode: Opcode) -> Option<Side> {
 /// The bytes of one direction.
 #[derive(Default)]
 struct Lane {
-    ring: Ring,
-    /// The bytes in the ring.
-    waiting: VecDeque<u8>,
+    /// What may be a frame, but more of it is needed.
+    waiting: Vec<u8>,
     garbage: Vec<u8>,
 }
 
 impl Lane {
     fn feed(&mut self, input: &[u8]) -> Vec<Found> {
         let mut found = Vec::new();
-        let mut rest = input;
-        while !rest.is_empty() {
-            let (now, later) = rest.split_at(rest.len().min(self.ring.room()));
-            // Can't overflow: there is room for them.
-            let _ = self.ring.append(now);
-            self.waiting.extend(now);
-            rest = later;
-            self.search(false, &mut found);
-        }
+        self.waiting.extend_from_slice(input);
+        self.search(false, &mut found);
         if self.garbage.len() >= GARBAGE_MAX {
             self.tell_garbage(&mut found);
         }
         found
     }
 
-    /// Gives up what is incomplete.
-    fn idle(&mut self) -> Vec<Found> {
-        let mut found = Vec::new();
-        self.search(true, &mut found);
-        self.tell_garbage(&mut found);
-        found
-    }
-
-    fn search(&mut self, idle: bool, found: &mut Vec<Found>) {
-        loop {
-            let frame = if idle { self.ring.next_frame_idle() } else { self.ring.next_frame() };
-            let frame = frame.ok().map(|frame| (frame.opcode, frame.payload.iter().collect::<Vec<_>>()));
-            let gone = self.waiting.len() + self.ring.room() - DP_BUFSIZE;
-            let size = frame.as_ref().map_or(0, |(_, payload)| payload.len() + FRAME_OVERHEAD);
-            self.garbage.extend(self.waiting.drain(..gone - size));
-            let Some((opcode, payload)) = frame else { return };
-            self.tell_garbage(found);
-            found.push(Found::Frame { opcode, payload, bytes: self.waiting.drain(..size).collect() });
+    /// Takes out what is certain; with `gives_up`, everything.
+    fn search(&mut self, gives_up: bool, found: &mut Vec<Found>) {
+        let bytes = std::mem::take(&mut self.waiting);
+        let mut rest = bytes.as_slice();
+        while let [first, behind @ ..] = rest {
+            match judge(rest.into(), PAYLOAD_LONGEST) {
+                Verdict::Needs(_) if !gives_up => break,
+                Verdict::Needs(_) | Verdict::Fault(_) => {
+                    self.garbage.push(*first);
+                    rest = behind;
+                }
+                Verdict::Frame { opcode, length } => {
+                    let (frame, behind) = rest.split_at(length + FRAME_OVERHEAD);
+                    let payload = frame.get(FRAME_HEAD..FRAME_HEAD + length).unwrap_or_default().to_vec();
+                    self.tell_garbage(found);
+                    found.push(Found::Frame { opcode, payload, bytes: frame.to_vec() });
+                    rest = behind;
+                }
+            }
         }
+        self.waiting.extend_from_slice(rest);
     }
 
     fn tell_garbage(&mut self, found: &mut Vec<Found>) {
@@ -132,25 +134,24 @@ impl Lane {
 }
 
 /// The frames in garbage that are whole but for their checksum: which it is, and which it should be.
-pub(crate) fn checksum_failures(garbage: &[u8]) -> Vec<(u8, u8)> {
+fn checksum_failures(garbage: &[u8]) -> Vec<(u8, u8)> {
     let mut failures = Vec::new();
     let mut rest = garbage;
-    while let [first, behind @ ..] = rest {
-        rest = behind;
-        let [opcode, length, ..] = behind else { break };
-        let length = usize::from(*length);
-        if *first != FRAME_START || !Opcode(*opcode).is_known() || length > DP_DATA_MAX_SIZE {
-            continue;
-        }
-        // Opcode, length and payload.
-        let Some((summed, [checksum, end, after @ ..])) = behind.split_at_checked(length + 2) else { continue };
-        if *end == FRAME_END {
-            let sum = summed.iter().fold(FRAME_START.wrapping_add(FRAME_END), |sum, byte| sum.wrapping_add(*byte));
-            failures.push((*checksum, sum));
-            rest = after;
-        }
+    while let [_, behind @ ..] = rest {
+        rest = behind_failure(rest, &mut failures).unwrap_or(behind);
     }
     failures
+}
+
+/// What follows such a frame, if one is here.
+fn behind_failure<'a>(bytes: &'a [u8], failures: &mut Vec<(u8, u8)>) -> Option<&'a [u8]> {
+    let Verdict::Fault(Fault::Checksum) = judge(bytes.into(), PAYLOAD_LONGEST) else { return None };
+    let ([_, opcode, length], behind) = bytes.split_first_chunk()?;
+    let (payload, [checksum, _, behind @ ..]) = behind.split_at_checked((*length).into())? else { return None };
+    let mut right = [0; PAYLOAD_LONGEST + FRAME_OVERHEAD];
+    encode(Opcode(*opcode), payload, &mut right)?;
+    failures.push((*checksum, *right.get(FRAME_HEAD + payload.len())?));
+    Some(behind)
 }
 
 #[cfg(test)]
@@ -169,10 +170,16 @@ mod tests {
     #[test]
     fn every_byte_is_told_in_its_order() {
         let mut lane = Lane::default();
+        let idle = |lane: &mut Lane| {
+            let mut found = Vec::new();
+            lane.search(true, &mut found);
+            lane.tell_garbage(&mut found);
+            found
+        };
         assert_eq!(lane.feed(b"xy$S\0"), []);
         assert_eq!(lane.feed(b"\xB1:z$S\0\xB1:$M\x0C$S\0\xB1:"), [garbage(b"xy"), status(), garbage(b"z"), status()]);
-        assert_eq!(lane.idle(), [garbage(b"$M\x0C"), status()]);
-        assert_eq!(lane.idle(), []);
+        assert_eq!(idle(&mut lane), [garbage(b"$M\x0C"), status()]);
+        assert_eq!(idle(&mut lane), []);
         assert_eq!(lane.feed(&[7; 1000]), [garbage(&[7; 1000])]);
         assert_eq!(lane.feed(b"$$S\0\xB1:"), [garbage(b"$"), status()]);
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use deltarobot_protocols::gx::{self, CommandReceiver, Item, Message, NoticeReceiver};
 use serde_json::json;
 
-use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, QUIET, Terms};
+use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, Terms};
 use crate::hex::hex;
 use crate::recording::Side;
 use words::{piece, reason};
@@ -42,10 +42,10 @@ impl Decoder for Items {
         found
     }
 
-    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece> {
+    fn idle(&mut self, from: Option<Side>, silence: Duration, gap: Duration) -> Vec<Piece> {
         let mut found = Vec::new();
-        if silence >= QUIET {
-            self.lanes.of(from).idle(from, silence >= PAUSE, &mut found);
+        if silence >= gap {
+            self.lanes.of(from).idle(from, silence >= PAUSE.max(gap), &mut found);
         }
         found
     }
@@ -342,13 +342,14 @@ mod tests {
 
     #[test]
     fn silence() {
+        const GAP: Duration = Duration::from_millis(50);
         let mut items = Items::default();
         assert!(feed(&mut items, None, b"#\x81\x80").is_empty());
-        assert_eq!(items.idle(None, Duration::from_millis(49)), []);
-        assert_eq!(items.idle(None, Duration::from_millis(50))[0].text, "#1 completed");
+        assert_eq!(items.idle(None, Duration::from_millis(49), GAP), []);
+        assert_eq!(items.idle(None, Duration::from_millis(50), GAP)[0].text, "#1 completed");
         assert!(feed(&mut items, None, b"x12").is_empty());
-        assert_eq!(items.idle(None, Duration::from_millis(999)), []);
-        assert_eq!(items.idle(None, Duration::from_secs(1))[0].text, "garbage: 78 31 32 (interrupted (error 3))");
+        assert_eq!(items.idle(None, Duration::from_millis(999), GAP), []);
+        assert_eq!(items.idle(None, Duration::from_secs(1), GAP)[0].text, "garbage: 78 31 32 (interrupted (error 3))");
         assert_eq!(items.end(None), []);
     }
 }

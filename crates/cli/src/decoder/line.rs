@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::{Decoder, Kind, Lanes, Piece, Terms};
 use crate::hex::hex;
 use crate::recording::Side;
+use crate::screen::printable;
 
 /// A line whose end has not come for so long is given up. The protocol has no such limit: somebody may be typing.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -49,9 +50,9 @@ impl Decoder for Lines {
         found
     }
 
-    fn idle(&mut self, from: Option<Side>, silence: Duration) -> Vec<Piece> {
+    fn idle(&mut self, from: Option<Side>, silence: Duration, gap: Duration) -> Vec<Piece> {
         let lane = self.lanes.of(from);
-        if silence < PAUSE || lane.is_empty() {
+        if silence < PAUSE.max(gap) || lane.is_empty() {
             return Vec::new();
         }
         vec![garbage(from, &std::mem::take(lane), "without an end")]
@@ -154,14 +155,10 @@ fn garbage(from: Option<Side>, bytes: &[u8], reason: &str) -> Piece {
     Piece::new(from, kind, format!("garbage: {} ({reason})", line.escape_ascii()), json)
 }
 
-/// Text from another's hands: one line, whatever is in it.
+/// Text from another's hands, of any encoding.
 fn text(bytes: impl Iterator<Item = u8>) -> String {
     let bytes: Vec<_> = bytes.collect();
-    let mut text = String::new();
-    for letter in String::from_utf8_lossy(&bytes).chars() {
-        if letter.is_control() { text.extend(letter.escape_default()) } else { text.push(letter) }
-    }
-    text
+    printable(&String::from_utf8_lossy(&bytes)).into_owned()
 }
 
 #[cfg(test)]
@@ -202,7 +199,7 @@ mod tests {
         let endless = texts(&mut lines, &[b'x'; LONGEST]);
         assert!(matches!(endless.as_slice(), [text] if text.ends_with("x (without an end)")), "{endless:?}");
         lines.feed(Some(Side::Host), b"c=go");
-        assert!(lines.idle(Some(Side::Host), Duration::from_secs(1)).is_empty());
+        assert!(lines.idle(Some(Side::Host), Duration::from_secs(1), Duration::ZERO).is_empty());
         assert!(lines.end(None).is_empty());
         let given_up = lines.end(Some(Side::Host));
         assert_eq!((given_up.len(), given_up[0].from), (1, Some(Side::Host)));

@@ -9,7 +9,7 @@ use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_
 
 use super::random::Random;
 use super::{Machine, above_zero};
-use crate::decoder::QUIET;
+use crate::port::GAP_USB;
 use robot::Robot;
 
 /// Of the session's receiver, which takes frames as long as shipped firmware does.
@@ -134,7 +134,7 @@ impl Machine for Controller {
     }
 
     fn turn(&mut self, now: Duration, out: &mut Vec<u8>) {
-        if now.saturating_sub(self.heard) >= QUIET {
+        if now.saturating_sub(self.heard) >= GAP_USB {
             self.serve(true, out);
         }
         let stepped = self.robot.turn(now.saturating_sub(self.turned).as_secs_f64());

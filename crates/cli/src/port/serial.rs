@@ -1,0 +1,112 @@
+//! A serial port or a pseudo-terminal.
+
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+use rustix::fs::{FlockOperation, Mode, OFlags, flock, open};
+use rustix::io::Errno;
+use rustix::termios::{
+    ControlModes, InputModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios, ioctl_tiocexcl,
+    ioctl_tiocnxcl, tcflush, tcgetattr, tcgetsid, tcsetattr,
+};
+use serial2::SerialPort;
+
+use super::{AtClose, Cause, PortOptions};
+
+/// Opens a device and sets it to 8 data bits, no parity, one stop bit, no flow control. Nothing is changed about one
+/// that is in use. What it received before is thrown away.
+pub(super) fn open_serial(path: &Path, options: &PortOptions) -> Result<SerialPort, Cause> {
+    let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let fd = open(path, flags, Mode::empty()).map_err(|error| match error {
+        Errno::BUSY => Cause::InUse,
+        // A directory or a program is no serial port, whatever may be wrong with it besides.
+        Errno::ISDIR | Errno::TXTBSY => Cause::NoSerialPort,
+        Errno::ACCESS => Cause::NotAllowed(group_of(path)),
+        _ => Cause::System(error.into()),
+    })?;
+    let before = tcgetattr(&fd).map_err(|error| match error {
+        Errno::NOTTY | Errno::INVAL | Errno::NODEV | Errno::OPNOTSUPP => Cause::NoSerialPort,
+        _ => error.into(),
+    })?;
+    // Ctrl-C would be a byte like any other.
+    if tcgetsid(&fd).is_ok() {
+        return Err(Cause::OwnTerminal);
+    }
+    flock(&fd, FlockOperation::NonBlockingLockExclusive).map_err(|error| match error {
+        Errno::WOULDBLOCK => Cause::InUse,
+        _ => error.into(),
+    })?;
+    let port = SerialPort::from(fd);
+    set(&port, before, options).inspect_err(|_| release(&port))?;
+    Ok(port)
+}
+
+fn set(port: &SerialPort, mut settings: Termios, options: &PortOptions) -> Result<(), Cause> {
+    // A pseudo-terminal would stay closed to others if this program were killed, for as long as its other end is open.
+    if has_modem_lines(port) {
+        ioctl_tiocexcl(port)?;
+    }
+    let baud = options.baud;
+    settings.make_raw();
+    settings.input_modes &= !(InputModes::INPCK | InputModes::IXOFF | InputModes::IXANY);
+    settings.control_modes &= !(ControlModes::CSTOPB | ControlModes::CRTSCTS);
+    settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
+    match options.at_close {
+        Some(AtClose::Drop) => settings.control_modes |= ControlModes::HUPCL,
+        Some(AtClose::Keep) => settings.control_modes &= !ControlModes::HUPCL,
+        None => (),
+    }
+    (settings.special_codes[SpecialCodeIndex::VMIN], settings.special_codes[SpecialCodeIndex::VTIME]) = (1, 0);
+    settings.set_speed(baud).map_err(|_| Cause::NotTaken(baud))?;
+    tcsetattr(port, OptionalActions::Now, &settings).map_err(|error| match error {
+        Errno::INVAL => Cause::NotTaken(baud),
+        _ => error.into(),
+    })?;
+    // That is successful when the device took one of the settings. It may say which speed it really has.
+    let taken = tcgetattr(port)?;
+    let lines = ControlModes::CSIZE | ControlModes::CSTOPB | ControlModes::PARENB | ControlModes::CRTSCTS;
+    let is_near = taken.output_speed().abs_diff(baud) <= baud / 40;
+    if taken.control_modes & lines != settings.control_modes & lines || !is_near {
+        return Err(Cause::NotTaken(baud));
+    }
+    for (name, level, result) in [
+        ("DTR", options.dtr, options.dtr.map(|level| port.set_dtr(level.is_on()))),
+        ("RTS", options.rts, options.rts.map(|level| port.set_rts(level.is_on()))),
+    ] {
+        if level.is_some() && result.is_some_and(|result| result.is_err()) {
+            return Err(Cause::NoLine(name));
+        }
+    }
+    Ok(tcflush(port, QueueSelector::IFlush)?)
+}
+
+/// Whether it is more than a pseudo-terminal.
+fn has_modem_lines(port: &SerialPort) -> bool {
+    port.read_cts().is_ok()
+}
+
+/// Lets others in.
+pub(super) fn release(port: &SerialPort) {
+    let _ = ioctl_tiocnxcl(port);
+    let _ = flock(port, FlockOperation::Unlock);
+}
+
+/// The name of the group that may use a device.
+fn group_of(path: &Path) -> Option<String> {
+    let metadata = fs::metadata(path).ok().filter(|metadata| metadata.mode() & 0o060 == 0o060)?;
+    let groups = fs::read_to_string("/etc/group").ok()?;
+    groups.lines().find_map(|line| {
+        let mut fields = line.split(':');
+        let name = fields.next()?;
+        (fields.nth(1)?.parse() == Ok(metadata.gid())).then(|| name.to_owned())
+    })
+}
+
+/// Whether silence within a frame on this port comes from its sender alone: a UART of this machine, not a converter
+/// that collects bytes, nor another program.
+pub(super) fn is_direct(path: &Path) -> bool {
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    ["ttyS", "ttyAMA", "ttymxc", "ttyO", "ttyTHS", "ttySAC", "ttyPS"].iter().any(|kind| name.starts_with(kind))
+}
