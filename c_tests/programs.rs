@@ -3,6 +3,22 @@
 
 use crate::support::{DEFAULT, Family, Language, Library, MODEL, Mode, Program, build, check, command, run, text};
 
+/// The programs of a subject: each file of its directory is one.
+macro_rules! programs {
+    ($($subject:ident($family:ident): $($name:ident.$extension:ident)*;)*) => {$(
+        mod $subject {
+            use super::*;
+
+            in_every_mode! {$(
+                $name: Program::of(
+                    concat!(stringify!($subject), "_", stringify!($name)),
+                    &[concat!(stringify!($subject), "/", stringify!($name), ".", stringify!($extension))],
+                ).family(Family::$family);
+            )*}
+        }
+    )*};
+}
+
 macro_rules! in_every_mode {
     ($($name:ident: $program:expr;)*) => {$(
         mod $name {
@@ -38,49 +54,35 @@ macro_rules! in_every_mode {
     )*};
 }
 
-in_every_mode! {
-    better: Program::c99("better", &["deltarobot/better.c"]);
-    contouring: Program::c99("contouring", &["gx/contouring.c"]).family(Family::Gx);
-    controller: Program::c99("controller", &["deltarobot/controller.c"]);
-    cross_comm: Program::c99("cross_comm", &["deltarobot/cross_comm.cpp"]).language(Language::Cpp98);
-    ext: Program::c99("ext", &["deltarobot/ext.c"]);
-    gx: Program::c99("gx", &["gx/messages.c"]).family(Family::Gx);
-    gx_channel: Program::c99("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
-    gx_contour: Program::c99("gx_contour", &["gx/contour.c"]).family(Family::Gx);
-    gx_host: Program::c99("gx_host", &["gx/host.c"]).family(Family::Gx);
-    gx_hostile: Program::c99("gx_hostile", &["gx/hostile.c"]).family(Family::Gx);
-    gx_layout: Program::c99("gx_layout", &["gx/layout.c"]).language(Language::C11).family(Family::Gx);
-    gx_motion: Program::c99("gx_motion", &["gx/motion.c"]).family(Family::Gx);
-    gx_streams: Program::c99("gx_streams", &["gx/streams.c"]).family(Family::Gx);
-    host_link: Program::c99("host_link", &["deltarobot/host_link.c"]);
-    host_session: Program::c99("host_session", &["deltarobot/host_session.c"]);
-    hostile: Program::c99("hostile", &["deltarobot/hostile.c"]);
-    layout: Program::c99("layout", &["deltarobot/layout.c"]).language(Language::C11);
-    layout_cpp: Program::c99("layout_cpp", &["deltarobot/layout_cpp.cpp"]).language(Language::Cpp98);
-    line_channel: Program::c99("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
-    line_conversation: Program::c99("line_conversation", &["line/conversation.c"]).family(Family::Line);
-    line_device: Program::c99("line_device", &["line/device.c"]).family(Family::Line);
-    line_device_calls: Program::c99("line_device_calls", &["line/device_calls.c"]).family(Family::Line);
-    line_encoder: Program::c99("line_encoder", &["line/encoder.c"]).family(Family::Line);
-    line_host: Program::c99("line_host", &["line/host.c"]).family(Family::Line);
-    line_host_link: Program::c99("line_host_link", &["line/host_link.c"]).family(Family::Line);
-    line_layout: Program::c99("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
-    line_protocol: Program::c99("line_protocol", &["line/messages.c"]).family(Family::Line);
-    noise: Program::c99("noise", &["deltarobot/noise.c", MODEL]);
-    payload: Program::c99("payload", &["deltarobot/payload.c"]);
-    pc_utils: Program::c99("pc_utils", &["deltarobot/pc_utils.cpp"]).language(Language::Cpp98);
-    reentrant: Program::c99("reentrant", &["deltarobot/reentrant.c"]);
-    serial: Program::c99("serial", &["serial/serial.c"]).family(Family::Serial);
-    session_channel: Program::c99("session_channel", &["deltarobot/session_channel.c"]).slowly(&["300"]);
-    threads: Program::c99("threads", &["deltarobot/threads.c"]);
-    two_units: Program::c99("two_units", &["deltarobot/two_units_a.c", "deltarobot/two_units_b.c"]);
+programs! {
+    deltarobot(Deltarobot): better.c controller.c cross_comm.cpp ext.c host_link.c host_session.c hostile.c
+        layout_cpp.cpp payload.c pc_utils.cpp reentrant.c threads.c;
+    gx(Gx): contour.c contouring.c host.c hostile.c messages.c motion.c streams.c;
+    line(Line): conversation.c device.c device_calls.c encoder.c host.c host_link.c messages.c;
+    serial(Serial): serial.c;
+}
+
+/// Those that more is to be said of.
+mod special {
+    use super::*;
+
+    in_every_mode! {
+        gx_channel: Program::of("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
+        gx_layout: Program::of("gx_layout", &["gx/layout.c"]).language(Language::C11).family(Family::Gx);
+        layout: Program::of("layout", &["deltarobot/layout.c"]).language(Language::C11);
+        line_layout: Program::of("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
+        line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
+        noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);
+        session_channel: Program::of("session_channel", &["deltarobot/session_channel.c"]).slowly(&["300"]);
+        two_units: Program::of("two_units", &["deltarobot/two_units_a.c", "deltarobot/two_units_b.c"]);
+    }
 }
 
 /// Too much for valgrind: it feeds all that four bytes can be.
 mod gx_exhaustive {
     use super::*;
 
-    const PROGRAM: Program = Program::c99("gx_exhaustive", &["gx/exhaustive.c"]);
+    const PROGRAM: Program = Program::of("gx_exhaustive", &["gx/exhaustive.c"]);
 
     #[test]
     fn every_input_of_four_bytes() {
@@ -97,8 +99,8 @@ mod gx_exhaustive {
 mod send_opcode {
     use super::*;
 
-    const SEND_OPCODE: Program = Program::c99("send_opcode", &["deltarobot/send_opcode.c"]);
-    const PTY_RUN: Program = Program::c99("pty_run", &["deltarobot/pty_run.c"]);
+    const SEND_OPCODE: Program = Program::of("send_opcode", &["deltarobot/send_opcode.c"]);
+    const PTY_RUN: Program = Program::of("pty_run", &["deltarobot/pty_run.c"]);
 
     fn over_a_pseudo_terminal(mode: Mode) {
         let library = Library::of(DEFAULT);
@@ -136,9 +138,9 @@ mod send_opcode {
 mod line_demonstration {
     use super::*;
 
-    const DEMO: Program = Program::c99("demo", &["../examples/demo.c"]);
-    const PC: Program = Program::c99("line_pc", &["../examples/line/pc.c"]);
-    const DEVICE: Program = Program::c99("line_device_example", &["../examples/line/device.c"]);
+    const DEMO: Program = Program::of("demo", &["../examples/demo.c"]);
+    const PC: Program = Program::of("line_pc", &["../examples/line/pc.c"]);
+    const DEVICE: Program = Program::of("line_device_example", &["../examples/line/device.c"]);
 
     fn run_with(device: Option<&Program>, mode: Mode) -> Option<std::process::Output> {
         let library = Library::of(DEFAULT);
@@ -177,9 +179,9 @@ mod line_demonstration {
 mod gx_demonstration {
     use super::*;
 
-    const DEMO: Program = Program::c99("gx_demo", &["../examples/demo.c"]);
-    const HOST: Program = Program::c99("gx_host_example", &["../examples/gx/host.c"]);
-    const MOTION: Program = Program::c99("gx_motion_example", &["../examples/gx/motion.c"]);
+    const DEMO: Program = Program::of("gx_demo", &["../examples/demo.c"]);
+    const HOST: Program = Program::of("gx_host_example", &["../examples/gx/host.c"]);
+    const MOTION: Program = Program::of("gx_motion_example", &["../examples/gx/motion.c"]);
 
     fn run_with(axes: &str, mode: Mode) -> std::process::Output {
         let library = Library::of(DEFAULT);

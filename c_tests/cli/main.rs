@@ -385,8 +385,8 @@ mod decode {
 /// The demonstration: the simulator and a host program in C have to be content with each other.
 #[test]
 fn the_demonstration() {
-    const DEMO: Program = Program::c99("demo", &["../examples/demo.c"]);
-    const HOST: Program = Program::c99("demo_host", &["../examples/deltarobot/host.c"]);
+    const DEMO: Program = Program::of("demo", &["../examples/demo.c"]);
+    const HOST: Program = Program::of("demo_host", &["../examples/deltarobot/host.c"]);
     let library = Library::of(DEFAULT);
     let [demo, host] = [DEMO, HOST].map(|program| build(&program, &library, Mode::Sanitized).expect("always built"));
     let arguments = [host.as_os_str(), env!("CARGO_BIN_EXE_deltarobot").as_ref(), "sim".as_ref()];

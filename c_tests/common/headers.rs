@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::support::{
-    DEFAULT, Family, LARGEST, Language, Library, Mode, OTHERS, Program, SMALLEST, STRICT, Sizes, c_tests, check,
-    compiler, has_tool, out_dir, root, run, text,
+    DEFAULT, Family, LARGEST, Library, Mode, OTHERS, Program, SMALLEST, STRICT, Sizes, c_tests, check, compiler,
+    has_tool, out_dir, root, run, text,
 };
 
 const C_STANDARDS: [&str; 4] = ["c89", "c99", "c11", "c2x"];
 const CPP_STANDARDS: [&str; 6] = ["c++98", "c++11", "c++14", "c++17", "c++20", "c++2b"];
 
-const IN_PLACE: Program = Program::c99("in_place", &["deltarobot/in_place.c"]).flags(&["-I.."]);
+const IN_PLACE: Program = Program::of("in_place", &["deltarobot/in_place.c"]).flags(&["-I.."]);
 const IN_PLACE_HEADER_FIRST: Program =
-    Program::c99("in_place_header_first", &["deltarobot/in_place.c"]).flags(&["-I..", "-DWITH_HEADER_FIRST"]);
-const IN_PLACE_CPP: Program =
-    Program::c99("in_place_cpp", &["deltarobot/in_place_cpp.cpp"]).language(Language::Cpp98).flags(&["-I.."]);
-const RELINKED: Program = Program::c99("relinked", &["packaging/relinked.c"]);
+    Program::of("in_place_header_first", &["deltarobot/in_place.c"]).flags(&["-I..", "-DWITH_HEADER_FIRST"]);
+const IN_PLACE_CPP: Program = Program::of("in_place_cpp", &["deltarobot/in_place_cpp.cpp"]).flags(&["-I.."]);
+const RELINKED: Program = Program::of("relinked", &["packaging/relinked.c"]);
 
 /// Headers that are C++, and have no business in C or inside somebody's `extern "C"`.
 pub(crate) const CPP_ONLY: [&str; 1] = ["libdeltarobot/protocol_pc_utils.h"];

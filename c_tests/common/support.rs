@@ -149,8 +149,11 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    pub(crate) const fn c99(name: &'static str, sources: &'static [&'static str]) -> Self {
-        Self { name, sources, language: Language::C99, flags: &[], family: Family::Deltarobot, slowly: &[] }
+    /// In the oldest standard that programs are written for: C99, or C++98 when the first source is `.cpp`.
+    pub(crate) const fn of(name: &'static str, sources: &'static [&'static str]) -> Self {
+        let language =
+            if sources[0].as_bytes()[sources[0].len() - 1] == b'p' { Language::Cpp98 } else { Language::C99 };
+        Self { name, sources, language, flags: &[], family: Family::Deltarobot, slowly: &[] }
     }
 
     pub(crate) const fn language(self, language: Language) -> Self {

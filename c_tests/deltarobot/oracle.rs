@@ -183,7 +183,7 @@ struct Oracle {
 
 impl Oracle {
     fn start(sizes: Sizes) -> Self {
-        let program = Program::c99("oracle", &["deltarobot/oracle.c", MODEL]);
+        let program = Program::of("oracle", &["deltarobot/oracle.c", MODEL]);
         let library = Library::of(sizes);
         let executable = build(&program, &library, Mode::Sanitized).expect("always built");
         let mut child = command(&executable, &library, Mode::Sanitized)

@@ -7,7 +7,7 @@ use crate::support::{
     text,
 };
 
-const REPLAY: Program = Program::c99("replay", &["deltarobot/replay.c"]);
+const REPLAY: Program = Program::of("replay", &["deltarobot/replay.c"]);
 const KINDS: [&str; 4] = ["clean", "tricky", "noise", "overflow"];
 
 fn trace(name: &str) -> PathBuf {
