@@ -18,6 +18,7 @@ mod output;
 mod recordings;
 mod run;
 mod sessions;
+mod screens;
 mod signals;
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]
@@ -323,7 +324,7 @@ mod devices {
 
     #[test]
     fn wrong_usage_is_told_on_one_line() {
-        let cases: [(&[&str], &str); 16] = [
+        let cases: [(&[&str], &str); 18] = [
             (&[], "a subcommand is needed"),
             (&["jump"], "unrecognized subcommand 'jump'"),
             (&["home"], "<PORT>"),
@@ -333,6 +334,8 @@ mod devices {
             (&["status", "/dev/ttyS0", "--baud", "fast"], "'fast'"),
             (&["sim", "--lose", "2"], "not a probability"),
             (&["decode"], "<BYTES>"),
+            (&["decode", ""], "no bytes to decode"),
+            (&["decode", "--protocol", "line", " "], "no bytes to decode"),
             (&["decode", "24 5"], "odd number"),
             (&["decode", "--text", "24"], "--text: frames of --protocol deltarobot are no text"),
             (&["monitor", "-", "--protocol", "modbus"], "'modbus'"),

@@ -192,11 +192,12 @@ impl Lane {
             self.is_skipping = false;
         } else if self.reader.pending().is_none() {
             // What belongs to nothing: the rest of what was malformed, or what separates two things.
-            if !byte.is_ascii_whitespace() {
-                self.garbage.append(&mut self.bytes);
+            let ends_line = matches!(byte, b'\r' | b'\n');
+            if ends_line || self.garbage.is_empty() && byte.is_ascii_whitespace() {
+                self.bytes.pop();
             }
-            self.bytes.clear();
-            self.is_skipping &= !matches!(byte, b'\r' | b'\n');
+            self.garbage.append(&mut self.bytes);
+            self.is_skipping &= !ends_line;
         }
     }
 
