@@ -25,6 +25,7 @@ mod signals;
 mod support;
 mod talk;
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -178,8 +179,15 @@ mod requests {
         let plain = printed(&["status", port], FINISHED);
         assert_eq!(plain, "IDLE  DA=20.1  DB=10  DC=5.5\n");
         let failed = json(&["move", "-5", "10", "5", port, "--json"], NOT_DONE);
-        assert_eq!((&failed["outcome"], &failed["status"]["state"]), (&"failed".into(), &"ERROR".into()));
-        assert_eq!(json(&["home", port, "--json"], NOT_DONE)["outcome"], "refused");
+        if layout == "spec" {
+            assert_eq!((&failed["outcome"], &failed["status"]["state"]), (&"failed".into(), &"ERROR".into()));
+            assert_eq!(json(&["home", port, "--json"], NOT_DONE)["outcome"], "refused");
+        } else {
+            let status = &failed["status"];
+            assert_eq!((&failed["outcome"], &status["state"]), (&"failed".into(), &"IDLE".into()));
+            assert_eq!(status["stops"], serde_json::json!(["A"]));
+            assert_eq!(json(&["home", port, "--json"], FINISHED)["outcome"], "finished");
+        }
     }
 
     #[test]
@@ -385,14 +393,17 @@ mod decode {
     }
 }
 
-/// The demonstration: the simulator and a host program in C have to be content with each other.
+/// The demonstration: the simulator and a host program in C have to be content with each other, whichever controller is
+/// simulated.
 #[test]
 fn the_demonstration() {
     const DEMO: Program = Program::of("demo", &["../examples/demo.c"]);
     const HOST: Program = Program::of("demo_host", &["../examples/deltarobot/host.c"]);
     let library = Library::of(DEFAULT);
     let [demo, host] = [DEMO, HOST].map(|program| build(&program, &library, Mode::Sanitized).expect("always built"));
-    let arguments = [host.as_os_str(), env!("CARGO_BIN_EXE_deltarobot").as_ref(), "sim".as_ref()];
-    let output = run(command(&demo, &library, Mode::Sanitized).args(arguments));
-    assert!(output.status.success(), "{}", text(&output));
+    for layout in ["firmware", "spec"] {
+        let sim = [program().as_os_str(), "sim".as_ref(), "--layout".as_ref(), layout.as_ref()].map(OsStr::to_owned);
+        let output = run(command(&demo, &library, Mode::Sanitized).arg(&host).args(sim));
+        assert!(output.status.success(), "{layout}: {}", text(&output));
+    }
 }

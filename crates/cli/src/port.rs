@@ -26,7 +26,7 @@ const RETRY: Duration = Duration::from_millis(200);
 /// The gap within a message of a sender whose bytes come as they are sent; of those that come through a USB converter
 /// or another program; and of those from a pipe, which may come from a network, where a lost packet comes again after 200
 /// ms at the soonest.
-const GAP_DIRECT: Duration = Duration::from_millis(50);
+pub(crate) const GAP_DIRECT: Duration = Duration::from_millis(50);
 pub(crate) const GAP_USB: Duration = Duration::from_millis(250);
 pub(crate) const GAP_PIPE: Duration = Duration::from_secs(1);
 

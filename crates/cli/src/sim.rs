@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use crate::clock::Clock;
 use crate::decoder::{Decoder, Piece};
-use crate::port::GAP_USB;
+use crate::port::GAP_DIRECT;
 use crate::protocol::{Protocol, Spoken};
 use crate::pty::{Input, Pty};
 use crate::recording::Side;
@@ -38,9 +38,8 @@ trait Machine {
 
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Prints the path of its device, and runs until Ctrl-C. A delta robot's move beyond an end stop, which \
-    is where a displacement is 0, is an error: from then on, as in shipped firmware, everything but a status request \
-    is refused.",
+    after_help = "Prints the path of its device, and runs until Ctrl-C. A delta robot's end stops are where a \
+    displacement is 0.",
     allow_negative_numbers = true
 )]
 pub(crate) struct Arguments {
@@ -237,7 +236,7 @@ impl Watcher {
 
     /// What the host said by halves may have ended.
     fn idle(&mut self, now: Duration) -> Result<(), Failure> {
-        let pieces = self.decoder.idle(Some(Side::Host), now.saturating_sub(self.heard), GAP_USB);
+        let pieces = self.decoder.idle(Some(Side::Host), now.saturating_sub(self.heard), GAP_DIRECT);
         self.show(&pieces, self.heard)
     }
 

@@ -9,7 +9,7 @@ use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_
 
 use super::random::Random;
 use super::{Machine, above_zero};
-use crate::port::GAP_USB;
+use crate::port::GAP_DIRECT;
 use robot::Robot;
 
 /// Of the session's receiver, which takes frames as long as shipped firmware does.
@@ -20,7 +20,8 @@ const ROOM: usize = receiver_room(32);
 #[command(next_help_heading = "Options of --protocol deltarobot")]
 pub(super) struct ControllerOptions {
     /// What to answer like: `firmware`, the default, sends status reports of 16 bytes with the reserved bits set;
-    /// `spec` sends 13 bytes, and HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides
+    /// `spec` sends 13 bytes, and HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides. With `spec` a move beyond an end
+    /// stop is an error, from which nothing leads; with `firmware` the robot stops there and can be homed
     #[arg(long, value_enum)]
     layout: Option<Kind>,
     /// Displacement of the fastest arm in a second; 50 by default
@@ -60,11 +61,12 @@ pub(super) struct Controller {
 
 impl Controller {
     pub(super) fn new(options: &ControllerOptions, rubbish: Random) -> Self {
+        let is_firmware = options.layout != Some(Kind::Spec);
         Self {
-            is_firmware: options.layout != Some(Kind::Spec),
+            is_firmware,
             no_ack: options.no_ack,
             session: Session::new(),
-            robot: Robot::new(options.speed.unwrap_or(50.0)),
+            robot: Robot::new(options.speed.unwrap_or(50.0), !is_firmware),
             rubbish,
             heard: Duration::ZERO,
             turned: Duration::ZERO,
@@ -134,7 +136,7 @@ impl Machine for Controller {
     }
 
     fn turn(&mut self, now: Duration, out: &mut Vec<u8>) {
-        if now.saturating_sub(self.heard) >= GAP_USB {
+        if now.saturating_sub(self.heard) >= GAP_DIRECT {
             self.serve(true, out);
         }
         let stepped = self.robot.turn(now.saturating_sub(self.turned).as_secs_f64());

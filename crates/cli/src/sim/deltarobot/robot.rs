@@ -22,12 +22,14 @@ pub(super) struct Robot {
     is_homed: bool,
     /// Units a second of the fastest arm.
     speed: f64,
+    /// Whether a move beyond an end stop is an error. Shipped firmware stops there, and is idle.
+    stops_are_errors: bool,
 }
 
 impl Robot {
-    pub(super) fn new(speed: f64) -> Self {
+    pub(super) fn new(speed: f64, stops_are_errors: bool) -> Self {
         let at = [15.0, 20.0, 25.0];
-        Self { at, from: at, to: at, done: 1.0, state: State::Idle, is_homed: false, speed }
+        Self { at, from: at, to: at, done: 1.0, state: State::Idle, is_homed: false, speed, stops_are_errors }
     }
 
     /// Begins to home. These return whether that is possible.
@@ -87,7 +89,7 @@ impl Robot {
             self.state = State::Idle;
         }
         if self.at.iter().any(|arm| *arm < -TOLERANCE) {
-            self.state = State::Error;
+            self.state = if self.stops_are_errors { State::Error } else { State::Idle };
         }
         for arm in &mut self.at {
             *arm = arm.max(0.0);
@@ -119,7 +121,7 @@ mod tests {
 
     #[test]
     fn homes_moves_and_meets_its_end_stops() {
-        let mut robot = Robot::new(50.0);
+        let mut robot = Robot::new(50.0, true);
         assert_eq!(robot.report(true).position, Position::UNKNOWN);
         robot.home();
         robot.turn(0.1);
@@ -139,11 +141,18 @@ mod tests {
         settle(&mut robot);
         assert_eq!(robot.report(true).state(), State::Error);
         assert!(robot.report(true).position.is_finite());
+
+        let mut robot = Robot::new(50.0, false);
+        robot.home();
+        settle(&mut robot);
+        robot.move_to(at([20.0, -1.0, 5.5]));
+        settle(&mut robot);
+        assert_eq!((robot.report(true).stat(), robot.report(true).state()), (0b01000, State::Idle));
     }
 
     #[test]
     fn a_cancelled_move_ends_on_its_way() {
-        let mut robot = Robot::new(10.0);
+        let mut robot = Robot::new(10.0, false);
         robot.home();
         settle(&mut robot);
         robot.move_to(at([10.0, 10.0, 10.0]));
