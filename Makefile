@@ -51,7 +51,7 @@ SERIAL_EXPORTS := $(if $(filter yes,$(SERIAL)),$(shell grep ^dp_serial_ src/expo
 CARGO_DIR ?= $(OUT)/.cargo
 STAGE     := $(OUT)/.stage
 BUILT     := $(CARGO_DIR)/$(DP_TARGET)/release
-# Headers and the list of symbols are generated into a directory of these sizes, so that none of other sizes can be
+# sizes.h and the list of symbols are generated into a directory of these sizes, so that none of other sizes can be
 # mistaken for them.
 GENERATED := $(CARGO_DIR)/include/$(subst $(subst ,, ),_,$(foreach size,$(ALL_SIZES),$($(size))))
 
@@ -75,7 +75,7 @@ all: lib
 lib: $(SHIPPED) ## builds the library (default)
 	$(Q)mkdir -p $(OUT)/include/libdeltarobot
 	$(Q)for header in $(HEADERS); do \
-	    from=$(GENERATED)/$$header; test -e $$from || from=include/$$header; \
+	    case $$header in */sizes.h) from=$(GENERATED)/sizes.h ;; *) from=include/$$header ;; esac; \
 	    $(call renew,$$from,$(OUT)/include/$$header) || exit; \
 	done
 	$(Q)$(call renew,$(STAGE)/libdeltarobot.a,$(OUT)/libdeltarobot.a)
@@ -94,7 +94,8 @@ endif
 # optimization that makes one piece of the C ABI and the core.)
 $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
-	+$(Q)DP_HEADER_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
+	+$(Q)DP_SIZES_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' \
+	    $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
 	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
 	    --crate-type staticlib$(if $(filter yes,$(SHARED)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
@@ -126,13 +127,12 @@ $(STAGE)/libdeltarobot.a: $(OBJECTS)
 $(STAGE)/libdeltarobot.so: $(STAGE)/cargo.so Makefile
 	$(Q)$(STRIP) --strip-unneeded -o $@ $<
 
-# Into a new directory each time: cargo then runs the generator even if it sees no need to.
+# The sizes into a new directory each time: cargo then runs the build script even if it sees no need to.
 header: ## renews include/, which holds the headers of the default sizes
-	+$(Q)rm -rf target/header/include.* && new=target/header/include.$$$$ && \
-	env $(ALL_SIZES:%=-u %) DP_HEADER_DIR=$$new $(CARGO) check $(QUIET) --lib --target-dir target/header && \
-	cd $$new && for header in $$(find * -name '*.h'); do \
-	    $(call renew,$$header,$(CURDIR)/include/$$header) || exit; \
-	done
+	+$(Q)rm -rf target/header/sizes.* && new=target/header/sizes.$$$$ && \
+	env $(ALL_SIZES:%=-u %) DP_SIZES_DIR=$$new $(CARGO) check $(QUIET) --lib --target-dir target/header && \
+	$(call renew,$$new/sizes.h,include/libdeltarobot/sizes.h)
+	+$(Q)$(CARGO) run $(QUIET) -p deltarobot-headers -- include
 	@echo "header: include is up to date"
 
 doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen

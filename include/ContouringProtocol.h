@@ -3,19 +3,15 @@
  * ContouringProtocol.h: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
  * header that came with the proposal; libdeltarobot/gx.h has what that lacks.
  *
- * Generated from src/contouring_protocol.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/contouring_protocol.rs by `make header`.
  */
 #ifndef CONTOURINGPROTOCOL_H
 #define CONTOURINGPROTOCOL_H
 
+#include "libdeltarobot/abi.h"
+
+LIBDELTAROBOT_NOT_PACKED(contouring_protocol);
 
 #include <stdint.h>
 /* Programs written for the posted header may use u_int8_t and the like. */
@@ -54,52 +50,28 @@ enum
 extern "C" {
 #endif
 
-
-/**
- * Done. The numbers of these codes are those of `GX_RC_*` in libdeltarobot/gx.h.
- */
+/** Done. The numbers of these codes are those of `GX_RC_*` in libdeltarobot/gx.h. */
 #define CPResult_ok 0
-
-/**
- * A pointer is NULL, or the mask is empty.
- */
+/** A pointer is NULL, or the mask is empty. */
 #define CPResult_error 1
-
-/**
- * The buffer does not hold what it should: start byte, mask, high bits and length are looked at.
- */
+/** The buffer does not hold what it should: start byte, mask, high bits and length are looked at. */
 #define CPResult_malformed 8
-
-/**
- * A value does not fit, or the mask has bits that mean nothing.
- */
+/** A value does not fit, or the mask has bits that mean nothing. */
 #define CPResult_range 10
 
-/**
- * A packed vector move.
- */
+/** A packed vector move. */
 typedef struct {
-  /**
-   * How many of the bytes there are: 3 to 28, or 0 when packing failed.
-   */
+  /** How many of the bytes there are: 3 to 28, or 0 when packing failed. */
   uint8_t length;
-  /**
-   * The bytes, as they are sent.
-   */
+  /** The bytes, as they are sent. */
   uint8_t bytes[28];
 } CPPackedVectorCommandBuffer;
 
-/**
- * A vector move.
- */
+/** A vector move. */
 typedef struct {
-  /**
-   * The feed rate along the vector, in steps per second: 0 to 16383.
-   */
+  /** The feed rate along the vector, in steps per second: 0 to 16383. */
   uint16_t targetVelocity;
-  /**
-   * Which of the values are valid: `CPMask_*`.
-   */
+  /** Which of the values are valid: `CPMask_*`. */
   uint8_t axisMask;
   /**
    * x, y, z, a, b, c in steps: -134217728 to 134217727.
@@ -109,19 +81,13 @@ typedef struct {
   int32_t axisPosition[6];
 } CPVectorCommand;
 
-/**
- * A value of 7 bits: one byte with the high bit set.
- */
+/** A value of 7 bits: one byte with the high bit set. */
 typedef uint8_t CPPacked7[1];
 
-/**
- * A value of 14 bits: two of them, the less significant first.
- */
+/** A value of 14 bits: two of them, the less significant first. */
 typedef uint8_t CPPacked14[2];
 
-/**
- * A value of 28 bits: four of them, the least significant first.
- */
+/** A value of 28 bits: four of them, the least significant first. */
 typedef uint8_t CPPacked28[4];
 
 /**
@@ -139,8 +105,7 @@ typedef uint8_t CPPacked28[4];
  *     uart_write(&uart, buffer.bytes, buffer.length);
  * ```
  */
-int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
-                        CPVectorCommand *command);
+int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
 /**
  * Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too.
@@ -156,8 +121,7 @@ int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
  *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  * ```
  */
-int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
-                          CPVectorCommand *command);
+int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
 /**
  * Packs a vector of deltas: the short form. axisPosition holds how far each axis shall go on, -63 to 63 steps, not
@@ -173,8 +137,7 @@ int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer,
  *     uart_write(&uart, buffer.bytes, buffer.length);
  * ```
  */
-int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
-                             CPVectorCommand *command);
+int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
 /**
  * Unpacks a vector of deltas, the short form, and adds them to the positions: axisPosition holds where the axes are
@@ -193,9 +156,7 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
  *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  * ```
  */
-int UnpackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer,
-                               CPVectorCommand *command);
-
+int UnpackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
 #ifdef __cplusplus
 }

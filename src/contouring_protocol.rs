@@ -1,7 +1,5 @@
-//! `ContouringProtocol.h`: the functions that came with the proposal, under their names ("Proposed GX Protocol",
-//! `ContouringProtocol.h` and `.c`).
-//!
-//! What they do otherwise than the code that was posted is said at each of them.
+//! `ContouringProtocol.h`: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
+//! header that came with the proposal; libdeltarobot/gx.h has what that lacks.
 
 use core::ffi::c_int;
 use core::mem::{align_of, offset_of, size_of};

@@ -1,4 +1,5 @@
-//! `controller.h`: the controller's end of the link.
+//! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: takes requests, has them carried out,
+//! answers them.
 
 use core::ffi::{c_int, c_ulong, c_void};
 
@@ -6,8 +7,8 @@ use super::memory::{bytes_of, int};
 use super::payload::layout_of;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_SUCCESS, Position, SendFunc, StatusReport};
 use super::state::{Room, state};
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::{Layout, PAYLOAD_MAX};
 use serving::{Served, State};
 

@@ -1,4 +1,4 @@
-//! `gx.h`: commands and notices of the GX binary vector protocol (source: "Proposed GX Protocol").
+//! `libdeltarobot/gx.h`: commands and notices of the GX binary vector protocol.
 
 use core::ffi::{c_int, c_uchar, c_ulong, c_void};
 use core::mem::offset_of;

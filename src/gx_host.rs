@@ -1,12 +1,54 @@
-//! `gx_host.h`: the host's end of the GX protocol.
+//! `libdeltarobot/gx_host.h`: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
+//! where something was lost, and reports how they ended.
+//!
+//! A session does no I/O. A loop around it:
+//!
+//! ```c
+//! struct gx_host_event event;
+//! char in[64], out[GX_ENCODED_MAX];
+//! int got = 0, taken = 0, length;
+//!
+//! gx_host_init(&host, NULL);
+//! for (;;) {
+//!     while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+//!         handle_event(&event);
+//!     while (path_goes_on() && gx_host_move(&host, next_position(), 1 | 2, 500) == GX_RC_SUCCESS)
+//!         go_on();
+//!     while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
+//!         uart_write(&uart, out, length);
+//!     if (is_over())
+//!         break;
+//!     if (taken == got) {
+//!         wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
+//!         taken = 0;
+//!         got = uart_read(&uart, in, sizeof in);
+//!     }
+//!     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
+//! }
+//! ```
+//!
+//! It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
+//! sends them back none begins: moves end as timed out, and are not sent. (docs/gx-protocol.md tells how to drive such a
+//! one.)
+//!
+//! What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a
+//! move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
+//! not.
+//!
+//! What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
+//! or reset. Moves are reported as lost then. Without that setting, one that has begun anew takes what comes from any
+//! host: it carries out again what is sent again, and moves by deltas from where it believes to be.
+//!
+//! Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
+//! one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
 use super::memory::{bytes_of, duration, int, long, short, time};
 use super::state::{Room, state};
+use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::config::GX_WINDOW_MAX;
 use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
 

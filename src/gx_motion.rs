@@ -1,12 +1,42 @@
-//! `gx_motion.h`: the motion side of the GX protocol.
+//! `libdeltarobot/gx_motion.h`: the motion side of the GX protocol, for firmware: takes commands, queues the moves, reports
+//! how they end, reports the position.
+//!
+//! It does no I/O. The firmware's main loop calls:
+//!
+//! ```c
+//! struct gx_motion_event event;
+//! struct gx_vector target;
+//! int length;
+//!
+//! taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
+//! while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
+//!     ;
+//! motors_count(steps);
+//! gx_motion_set_position(&motion, steps);
+//! if (motors_have_arrived())
+//!     gx_motion_done(&motion);
+//! if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
+//!     motors_start(target.mask, target.axes, target.velocity);
+//! if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
+//!     uart_write(&uart, out, length);
+//! ```
+//!
+//! From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
+//! proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position, or
+//! a move to a position.
+//!
+//! What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
+//! gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
+//! has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
+//! move of one, which nothing distinguishes from a true one.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
 use super::memory::{bytes_of, duration, int, long, time};
 use super::state::{Room, state};
+use crate::sizes::GX_QUEUE_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::config::GX_QUEUE_MAX;
 use deltarobot_protocols::gx::motion::{self, Event};
 use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Number};
 

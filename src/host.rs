@@ -1,4 +1,29 @@
-//! `host.h`: the host's end of the link.
+//! `libdeltarobot/host.h`: the host's end of the link: sends requests, retransmits them, reports how they ended.
+//!
+//! A session does no I/O. A loop around it, from the first request on:
+//!
+//! ```c
+//! struct dp_host_event event;
+//! char in[64], out[DP_HOST_OUTPUT_MAX];
+//! int got = 0, taken = 0, length;
+//!
+//! dp_host_init(&host, NULL);
+//! dp_host_home(&host);
+//! for (;;) {
+//!     while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+//!         handle_event(&event);
+//!     if ((length = dp_host_output(&host, out, sizeof out, now_ms())) > 0)
+//!         uart_write(&uart, out, length);
+//!     if (is_over())
+//!         break;
+//!     if (taken == got) {
+//!         wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
+//!         taken = 0;
+//!         got = uart_read(&uart, in, sizeof in);
+//!     }
+//!     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+//! }
+//! ```
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;
@@ -7,8 +32,8 @@ use super::memory::{bytes_of, duration, fill, int, long, short, time};
 use super::payload::position_from;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
 use super::state::{Room, state};
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::host::{Busy, Health, Host as Session, Settings};
 use deltarobot_protocols::deltarobot::{POSITION_SIZE, receiver_room};
 use deltarobot_protocols::session::RoundTrips;

@@ -40,5 +40,6 @@ pub mod protocol;
 pub mod protocol_ext;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
+pub mod sizes;
 #[allow(unused, reason = "the sessions move to it one by one")]
 mod state;

@@ -1,4 +1,42 @@
-//! `line_device.h`: the device's end of the line protocol's link.
+//! `libdeltarobot/line_device.h`: the device's end of the Ozeki line protocol's link, for firmware: tells which devices
+//! are there, takes commands, has them executed, answers them, and sends events.
+//!
+//! A main loop around it:
+//!
+//! ```c
+//! unsigned char in[64];
+//! int got = 0, taken = 0;
+//!
+//! olp_device_init(&device, &table, &uart);
+//! for (;;) {
+//!     if (taken == got) {
+//!         taken = 0;
+//!         got = uart_read(&uart, in, sizeof in);
+//!     }
+//!     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+//!     olp_device_poll(&device, now_ms());
+//!     if (there_is_news()) {
+//!         olp_begin(&event, text, sizeof text, "heaterinfo");
+//!         olp_add_float(&event, "temp", temperature, 2);
+//!         olp_device_event(&device, &event, "M1F910");
+//!     }
+//! }
+//! ```
+//!
+//! What it answers to what:
+//!
+//! ```text
+//! intact command           ack if acks are in force, then <command>_resp
+//! its repeat               the same again; it is not executed again (see repeat_ms)
+//! linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
+//!                          understood stays as it is
+//! unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
+//! refused by its function  ack, onerror refused, and the command's t
+//! executed, but the answer can't be sent    ack, onerror toolong, and the command's t
+//! wrong checksum, missing checksum when one is in force, too long, unreadable
+//!                          onerror with code checksum, overflow or malformed; nothing is executed
+//! ```
+//!
 
 use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
 use core::ptr::null;

@@ -1,4 +1,58 @@
-//! `line_host.h`: the PC's end of the line protocol's link.
+//! `libdeltarobot/line_host.h`: the PC's end of the Ozeki line protocol's link: sends commands, repeats them, tells how
+//! they ended and what the devices say.
+//!
+//! A session does no I/O. A loop around it:
+//!
+//! ```c
+//! struct olp_host_event event;
+//! char in[64], out[OLP_COMMAND_MAX];
+//! int got = 0, taken = 0, length;
+//!
+//! olp_host_init(&host, NULL);
+//! for (;;) {
+//!     while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+//!         handle_event(&event);
+//!     while ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+//!         uart_write(&uart, out, length);
+//!     if (is_over())
+//!         break;
+//!     if (taken == got) {
+//!         wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
+//!         taken = 0;
+//!         got = uart_read(&uart, in, sizeof in);
+//!     }
+//!     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+//! }
+//! ```
+//!
+//! handle_event() calls, of the first OLP_HOST_WELCOME,
+//!
+//! ```c
+//! struct olp_host_device device;
+//! if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+//!     olp_host_setup(&host, device.id, 1, 1, -1);
+//! ```
+//!
+//! and when that has ended as OLP_HOST_ANSWERED
+//!
+//! ```c
+//! int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
+//! ```
+//!
+//! What holds for the outcome of a command, if the device recognises repeats:
+//!
+//! ```text
+//! acks on, checksums on    ANSWERED: carried out once. REFUSED: not at all. Else once or not at all.
+//! acks on, checksums off   the same, if no line to the device is damaged: it carries out what arrives.
+//! acks off                 the same, if no line is damaged, none takes longer than timeout_ms there and back, and
+//!                          no two commands of one name and id are on their way: an answer tells no number.
+//! checksums on             in any case: once or not at all.
+//! ```
+//!
+//! A device that starts anew in between may carry a command out again, and a damaged line has the right checksum once in
+//! some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
+//! commands are repeated only when the device asks for it, or the settings say that it recognises repeats. The order in
+//! which commands are carried out is that of sending while the window is 1; in a larger one, repeated ones fall behind.
 
 use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 use core::ptr::{from_ref, null};

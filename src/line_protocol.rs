@@ -1,4 +1,31 @@
-//! `line_protocol.h`: lines of the Ozeki line protocol (facts: the page "Ozeki Line Protocol").
+//! `libdeltarobot/line_protocol.h`: lines of the Ozeki line protocol: checksum, reading, building, receiving.
+//!
+//! Reading:
+//!
+//! ```c
+//! int got = uart_read(&uart, in, sizeof in);
+//! for (int taken = 0; taken < got;) {
+//!     float temperature;
+//!     taken += olp_receive(&receiver, in + taken, got - taken, &line);
+//!     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
+//!         olp_is(&message, "c", 0, "heaterinfo") &&
+//!         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
+//!         show(temperature);
+//! }
+//! ```
+//!
+//! Writing:
+//!
+//! ```c
+//! char text[OLP_COMMAND_MAX];
+//! struct olp_encoder encoder;
+//! olp_begin_command(&encoder, text, sizeof text, "setswitch");
+//! olp_add_int(&encoder, "state", 1);
+//! olp_add_int(&encoder, "t", 11);
+//! olp_add_string(&encoder, "id", "9o5qzg");
+//! if ((length = olp_finish(&encoder, 1)) > 0)
+//!     uart_write(&uart, text, length);
+//! ```
 
 use core::ffi::{c_char, c_int, c_uint};
 use core::mem::{align_of, offset_of, size_of};

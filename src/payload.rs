@@ -1,11 +1,11 @@
-//! `payload.h`: the messages of the specification (section "Opcodes").
+//! `libdeltarobot/payload.h`: building, reading and printing the messages of the specification.
 
 use core::ffi::c_int;
 use core::mem::align_of;
 
 use super::memory::{bytes_of, int};
 use super::protocol::{Position, ProtocolMsg, StatusReport};
-use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot as core_;
 use deltarobot_protocols::deltarobot::{Layout, Report};
 

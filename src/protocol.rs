@@ -1,12 +1,13 @@
-//! `protocol.h`: the original's API, spelled as there (facts: the specification, section "Interface").
+//! `libdeltarobot/protocol.h`: frames of the deltarobot message format, specification v1.0.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
 use core::mem::{MaybeUninit, align_of, offset_of, size_of};
 use core::slice;
 
 use super::memory::{bytes_of, int};
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::config::{DP_DATA_MAX_SIZE, FAST};
+use deltarobot_protocols::config::FAST;
 use deltarobot_protocols::deltarobot::{FRAME_MAX, Opcode, Ring, encode};
 
 pub(super) mod receiving;
@@ -219,8 +220,6 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 /// Sends a message: calls sendfunc once, with the whole frame and usr.
 ///
 /// The opcode is not checked.
-///
-/// sendfunc can be called with usr.
 ///
 /// Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
 /// is outside 0 to `DP_DATA_MAX_SIZE`.

@@ -1,4 +1,4 @@
-//! `protocol_ext.h`: what the original's API lacks.
+//! `libdeltarobot/protocol_ext.h`: what the original's API lacks.
 
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
@@ -26,7 +26,7 @@ pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mu
 /// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
 /// are in the ring already come first.
 ///
-/// buf's bytes stay as they are until the call returns. `on_msg` can be called with usr.
+/// buf's bytes stay as they are until the call returns.
 ///
 /// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
 /// rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is

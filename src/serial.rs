@@ -1,4 +1,17 @@
-//! `serial.h`: the serial port.
+//! `libdeltarobot/serial.h`: the serial port, on Unix and Windows. Not in libraries for bare metal.
+//!
+//! ```c
+//! struct dp_serial port;
+//! if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) == DP_RC_SUCCESS) {
+//!     int got;
+//!     dp_send(&msg, dp_serial_send, &port);
+//!     while ((got = dp_serial_read(&port, in, sizeof in, 100)) > 0)
+//!         dp_process(&ring, in, got);
+//! }
+//! if (*dp_serial_error(&port) != '\0')
+//!     fprintf(stderr, "%s\n", dp_serial_error(&port));
+//! dp_serial_close(&port);
+//! ```
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 use deltarobot_export::export;

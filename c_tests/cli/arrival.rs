@@ -26,7 +26,11 @@ fn a_slow_reader_of_a_monitor_costs_no_frame() {
     child.stdout.take().unwrap().read_to_string(&mut said).unwrap();
     writer.join().unwrap().unwrap();
     child.wait().unwrap();
-    assert!(said.ends_with(" 4000 frames (4000 STATUS?), 0 bytes of garbage, 0 wrong checksums\n"), "{}", last_line(&said));
+    assert!(
+        said.ends_with(" 4000 frames (4000 STATUS?), 0 bytes of garbage, 0 wrong checksums\n"),
+        "{}",
+        last_line(&said)
+    );
 }
 
 /// Runs a program while half a frame waits before it is stopped, and the other half comes meanwhile.

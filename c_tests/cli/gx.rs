@@ -57,7 +57,8 @@ mod monitor {
 
     #[test]
     fn both_directions_as_json() {
-        let said = printed(&["monitor", "--protocol", "gx", "--json", "--gap", "50", &recording("gx-json.txt")], FINISHED);
+        let said =
+            printed(&["monitor", "--protocol", "gx", "--json", "--gap", "50", &recording("gx-json.txt")], FINISHED);
         let values: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(
             values[0],

@@ -122,7 +122,9 @@ fn length_costs_no_memory() {
 fn dates_are_recorded_and_shown() {
     let path = written(
         "cli-dated.txt",
-        format!("{HEADER}# started 2026-11-28T23:59:59.750000Z\n{ENTRY}# continued 2026-11-30T12:00:00Z at 100.5\n101 < FF\n"),
+        format!(
+            "{HEADER}# started 2026-11-28T23:59:59.750000Z\n{ENTRY}# continued 2026-11-30T12:00:00Z at 100.5\n101 < FF\n"
+        ),
     );
     let said = printed(&["monitor", "--time", "utc", utf8(&path)], FINISHED);
     assert!(said.starts_with("2026-11-29T00:00:00.250Z > STATUS?\n2026-11-30T12:00:00.500Z < garbage: FF\n"), "{said}");

@@ -208,7 +208,11 @@ fn a_recording_stays_when_another_can_not_begin() {
     let to_tap = ["record", "--force", &sim.device, utf8(&kept), "--tap", "--link", utf8(&taken)];
     complains(&to_tap, DEVICE, "cli-taken: File exists");
     for option in [&["--tap"] as &[&str], &[]] {
-        complains(&[&["record", "--force", "/dev/null", utf8(&kept)], option].concat(), DEVICE, "/dev/null: not a serial port");
+        complains(
+            &[&["record", "--force", "/dev/null", utf8(&kept)], option].concat(),
+            DEVICE,
+            "/dev/null: not a serial port",
+        );
     }
     assert_eq!(fs::read(&kept).unwrap(), before);
 }

@@ -12,6 +12,9 @@ use crate::support::{DEFAULT, Language, Library, STRICT, c_tests, compiler, has_
 /// C++ compilers would rather see `= {}`.
 const TOLERANT: [&str; 3] = ["-Wno-unused", "-Wno-unused-parameter", "-Wno-missing-field-initializers"];
 
+/// Headers that only the others include.
+const WITHOUT_FUNCTIONS: [&str; 2] = ["libdeltarobot/abi.h", "libdeltarobot/sizes.h"];
+
 /// The headers' names, as programs include them, and their texts.
 fn texts() -> Vec<(String, String)> {
     let library = Library::of(DEFAULT);
@@ -19,7 +22,7 @@ fn texts() -> Vec<(String, String)> {
         let text = fs::read_to_string(library.include().join(&name)).unwrap();
         (name, text)
     };
-    headers(&library).into_iter().map(text).collect()
+    headers(&library).into_iter().filter(|name| !WITHOUT_FUNCTIONS.contains(&name.as_str())).map(text).collect()
 }
 
 /// A comment of a header, and what is declared behind it.
@@ -39,7 +42,9 @@ impl Item {
         if self.is_type() || head.len() == self.declaration.len() {
             return None;
         }
-        head.trim_end().rsplit(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_').next()
+        let name = head.trim_end().rsplit(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_').next()?;
+        // Macros that stand for declarations have none.
+        (name != name.to_uppercase()).then_some(name)
     }
 
     fn is_type(&self) -> bool {

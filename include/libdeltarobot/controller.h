@@ -3,34 +3,28 @@
  * libdeltarobot/controller.h: the controller's end of the link, for firmware: takes requests, has them carried out,
  * answers them.
  *
- * Generated from src/controller.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/controller.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_CONTROLLER_H
 #define LIBDELTAROBOT_CONTROLLER_H
 
+#include "abi.h"
+#include "payload.h"
 
-#include "libdeltarobot/payload.h"
+LIBDELTAROBOT_NOT_PACKED(controller);
 
-#ifdef DP_SIZED_BY_MACRO
-#define dp_controller_init dp_controller_init_128_32
-#define dp_controller_receive dp_controller_receive_128_32
-#define dp_controller_poll dp_controller_poll_128_32
-#define dp_controller_poll_idle dp_controller_poll_idle_128_32
-#define dp_controller_report dp_controller_report_128_32
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define dp_controller_init DP_SIZED_NAME(dp_controller_init)
+#define dp_controller_receive DP_SIZED_NAME(dp_controller_receive)
+#define dp_controller_poll DP_SIZED_NAME(dp_controller_poll)
+#define dp_controller_poll_idle DP_SIZED_NAME(dp_controller_poll_idle)
+#define dp_controller_report DP_SIZED_NAME(dp_controller_report)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
 
 /**
  * Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
@@ -38,24 +32,14 @@ extern "C" {
  */
 #define DP_CONTROLLER_REFUSE_BUSY 1
 
-/**
- * The end of homing and of a move is reported by `h` and `m` (specification), besides the status report.
- */
+/** The end of homing and of a move is reported by `h` and `m` (specification), besides the status report. */
 #define DP_CONTROLLER_REPORT_END 2
-
-/**
- * An error during an operation is reported by `e` (specification), besides the status report.
- */
+/** An error during an operation is reported by `e` (specification), besides the status report. */
 #define DP_CONTROLLER_REPORT_ERROR 4
-
-/**
- * Words of a controller's room.
- */
+/** Words of a controller's room. */
 #define DP_CONTROLLER_WORDS ((DP_DATA_MAX_SIZE / 4) + 13)
 
-/**
- * A controller, to be made by `dp_controller_init`. All zero is one that does nothing.
- */
+/** A controller, to be made by `dp_controller_init`. All zero is one that does nothing. */
 struct dp_controller {
   unsigned long opaque[DP_CONTROLLER_WORDS];
 };
@@ -116,25 +100,15 @@ typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *rep
  * NULL; `read` and `send` are needed.
  */
 struct dp_controller_calls {
-  /**
-   * Begins to home.
-   */
+  /** Begins to home. */
   dp_controller_home_func_t home;
-  /**
-   * Begins to move.
-   */
+  /** Begins to move. */
   dp_controller_move_func_t move;
-  /**
-   * Begins to stop.
-   */
+  /** Begins to stop. */
   dp_controller_cancel_func_t cancel;
-  /**
-   * Reads the status.
-   */
+  /** Reads the status. */
   dp_controller_read_func_t read;
-  /**
-   * Sends bytes, whole frames. Its result is ignored: the protocol leaves lost frames to the host.
-   */
+  /** Sends bytes, whole frames. Its result is ignored: the protocol leaves lost frames to the host. */
   send_func_t send;
 };
 
@@ -155,12 +129,8 @@ struct dp_controller_calls {
  * dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
  * ```
  */
-int dp_controller_init(struct dp_controller *controller,
-                       const struct dp_controller_calls *calls,
-                       void *usr,
-                       int layout,
-                       int flags)
-DP_SIZED("dp_controller_init");
+int dp_controller_init(struct dp_controller *controller, const struct dp_controller_calls *calls, void *usr, int layout,
+    int flags) DP_SIZED("dp_controller_init");
 
 /**
  * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
@@ -179,10 +149,8 @@ DP_SIZED("dp_controller_init");
  * }
  * ```
  */
-int dp_controller_receive(struct dp_controller *controller,
-                          const void *buf,
-                          int bytes)
-DP_SIZED("dp_controller_receive");
+int dp_controller_receive(struct dp_controller *controller, const void *buf, int bytes)
+    DP_SIZED("dp_controller_receive");
 
 /**
  * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
@@ -195,8 +163,7 @@ DP_SIZED("dp_controller_receive");
  *     ;
  * ```
  */
-int dp_controller_poll(struct dp_controller *controller)
-DP_SIZED("dp_controller_poll");
+int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller_poll");
 
 /**
  * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
@@ -207,8 +174,7 @@ DP_SIZED("dp_controller_poll");
  *     dp_controller_poll_idle(&controller);
  * ```
  */
-int dp_controller_poll_idle(struct dp_controller *controller)
-DP_SIZED("dp_controller_poll_idle");
+int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED("dp_controller_poll_idle");
 
 /**
  * Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
@@ -220,9 +186,7 @@ DP_SIZED("dp_controller_poll_idle");
  *     dp_controller_report(&controller);
  * ```
  */
-int dp_controller_report(struct dp_controller *controller)
-DP_SIZED("dp_controller_report");
-
+int dp_controller_report(struct dp_controller *controller) DP_SIZED("dp_controller_report");
 
 #ifdef __cplusplus
 }

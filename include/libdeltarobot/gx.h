@@ -2,56 +2,17 @@
  * @file
  * libdeltarobot/gx.h: commands and notices of the GX binary vector protocol.
  *
- * Generated from src/gx.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/gx.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_GX_H
 #define LIBDELTAROBOT_GX_H
 
+#include "abi.h"
+
+LIBDELTAROBOT_NOT_PACKED(gx);
 
 #include <stdint.h>
-
-/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */
-#if defined(GX_QUEUE_MAX) && (GX_QUEUE_MAX) != 16
-#error "libdeltarobot was built with GX_QUEUE_MAX=16: build it again with the size that this program defines"
-#endif
-#if defined(GX_WINDOW_MAX) && (GX_WINDOW_MAX) != 16
-#error "libdeltarobot was built with GX_WINDOW_MAX=16: build it again with the size that this program defines"
-#endif
-/** Moves that the motion side queues. By default 16. */
-#ifndef GX_QUEUE_MAX
-#define GX_QUEUE_MAX 16
-#endif
-/** Most moves of a host that may be unfinished at a time. By default 16. */
-#ifndef GX_WINDOW_MAX
-#define GX_WINDOW_MAX 16
-#endif
-
-/*
- * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
- * of other sizes. The plain names are there for programs compiled without it.
- */
-#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
-#define GX_SIZED_STR_(text) #text
-#define GX_SIZED_STR(text) GX_SIZED_STR_(text)
-#ifdef __USER_LABEL_PREFIX__
-#define GX_SIZED(name) __asm__(GX_SIZED_STR(__USER_LABEL_PREFIX__) name "_16_16")
-#else
-#define GX_SIZED(name) __asm__(name "_16_16")
-#endif
-#else
-#define GX_SIZED(name)
-#define GX_SIZED_BY_MACRO
-#endif
-#ifdef GX_SIZED_BY_MACRO
-#endif
 
 /* Bits of a vector's mask: 1 << i flags axes[i], which are x, y, z, a, b, c. */
 #define GX_MASK_AXES 0x3F
@@ -61,62 +22,34 @@
 #define GX_POSITION_MIN (-134217728)
 #define GX_POSITION_MAX 134217727
 
+/** Words of a struct gx_commands and a struct gx_notices. */
 #define GX_RECEIVER_WORDS (48 / sizeof(unsigned long))
+/** Words of a struct gx_contour. */
 #define GX_CONTOUR_WORDS (64 / sizeof(unsigned long))
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * Done.
- */
+/** Done. */
 #define GX_RC_SUCCESS 0
-
-/**
- * An argument was NULL or none of its values: nothing was done.
- */
+/** An argument was NULL or none of its values: nothing was done. */
 #define GX_RC_ERROR_GENERIC 1
-
-/**
- * The room is too small.
- */
+/** The room is too small. */
 #define GX_RC_OVERFLOW 3
-
-/**
- * There is no room until something was fetched.
- */
+/** There is no room until something was fetched. */
 #define GX_RC_BUSY 5
-
-/**
- * Nothing has happened, or nothing is there.
- */
+/** Nothing has happened, or nothing is there. */
 #define GX_RC_NO_EVENT 6
-
-/**
- * A value does not fit where it has to go.
- */
+/** A value does not fit where it has to go. */
 #define GX_RC_RANGE 10
-
-/**
- * It starts from a position that is not known.
- */
+/** It starts from a position that is not known. */
 #define GX_RC_NOT_FOUND 11
-
-/**
- * Written with packed bytes.
- */
+/** Written with packed bytes. */
 #define GX_BINARY 1
-
-/**
- * Written as text.
- */
+/** Written as text. */
 #define GX_ASCII 2
-
-/**
- * Nothing is complete.
- */
+/** Nothing is complete. */
 #define GX_NONE 0
 
 /**
@@ -124,39 +57,19 @@ extern "C" {
  */
 #define GX_MOVE 1
 
-/**
- * Command: go on by the deltas in vector, each -64 to 63 steps (short form).
- */
+/** Command: go on by the deltas in vector, each -64 to 63 steps (short form). */
 #define GX_STEP 2
-
-/**
- * Command: report the position each period milliseconds.
- */
+/** Command: report the position each period milliseconds. */
 #define GX_REPORTING 3
-
-/**
- * A command or notice that is none; code says what is wrong with it.
- */
+/** A command or notice that is none; code says what is wrong with it. */
 #define GX_MALFORMED 4
-
-/**
- * Notice: the command with this number was carried out.
- */
+/** Notice: the command with this number was carried out. */
 #define GX_COMPLETED 5
-
-/**
- * Notice: the command, with this number if it had one, was not; code says why.
- */
+/** Notice: the command, with this number if it had one, was not; code says why. */
 #define GX_REFUSED 6
-
-/**
- * Notice: the position is that in vector.
- */
+/** Notice: the position is that in vector. */
 #define GX_POSITION 7
-
-/**
- * No command begins like that.
- */
+/** No command begins like that. */
 #define GX_FAULT_UNKNOWN 1
 
 /**
@@ -165,163 +78,79 @@ extern "C" {
  */
 #define GX_FAULT_NUMBER 2
 
-/**
- * Another began before this was complete, or the line fell silent.
- */
+/** Another began before this was complete, or the line fell silent. */
 #define GX_FAULT_INTERRUPTED 3
-
-/**
- * A byte that has no place there.
- */
+/** A byte that has no place there. */
 #define GX_FAULT_SYNTAX 4
-
-/**
- * It names no axis and no velocity.
- */
+/** It names no axis and no velocity. */
 #define GX_FAULT_EMPTY 5
-
-/**
- * It names an axis, or the velocity, twice.
- */
+/** It names an axis, or the velocity, twice. */
 #define GX_FAULT_REPEATED 6
-
-/**
- * A value does not fit.
- */
+/** A value does not fit. */
 #define GX_FAULT_RANGE 7
-
-/**
- * A step leads out of the positions that there are, or starts where the position is not known.
- */
+/** A step leads out of the positions that there are, or starts where the position is not known. */
 #define GX_FAULT_LIMIT 8
-
-/**
- * There is no room for another command.
- */
+/** There is no room for another command. */
 #define GX_FAULT_BUSY 9
-
-/**
- * The number is not the next of its session.
- */
+/** The number is not the next of its session. */
 #define GX_FAULT_ORDER 16
-
-/**
- * A session is over, or none has begun and moves are taken in sessions only.
- */
+/** A session is over, or none has begun and moves are taken in sessions only. */
 #define GX_FAULT_CLOSED 17
-
-/**
- * A move without a number where numbers are in order.
- */
+/** A move without a number where numbers are in order. */
 #define GX_FAULT_NUMBERLESS 18
-
-/**
- * The machine does not have that axis.
- */
+/** The machine does not have that axis. */
 #define GX_FAULT_AXIS 19
-
-/**
- * The machine has stopped before this move was finished; those behind it are dropped.
- */
+/** The machine has stopped before this move was finished; those behind it are dropped. */
 #define GX_FAULT_STOPPED 20
-
-/**
- * Codes from here to 127 are the firmware's own.
- */
+/** Codes from here to 127 are the firmware's own. */
 #define GX_FAULT_OWN 64
-
-/**
- * The axes: x, y, z, a, b, c.
- */
+/** The axes: x, y, z, a, b, c. */
 #define GX_AXES 6
-
-/**
- * The largest delta that is written, either way.
- */
+/** The largest delta that is written, either way. */
 #define GX_DELTA_MAX 63
-
-/**
- * The largest velocity, in steps per second.
- */
+/** The largest velocity, in steps per second. */
 #define GX_VELOCITY_MAX 16383
-
-/**
- * The largest number of a command.
- */
+/** The largest number of a command. */
 #define GX_NUMBER_MAX 16383
-
-/**
- * The longest period of position reports, in milliseconds.
- */
+/** The longest period of position reports, in milliseconds. */
 #define GX_PERIOD_MAX 16383
-
-/**
- * Room that any one command or notice fits in, in bytes.
- */
+/** Room that any one command or notice fits in, in bytes. */
 #define GX_ENCODED_MAX 96
 
-/**
- * Receives commands: the motion side's. All zero is a new one. Its contents are private.
- */
+/** Receives commands: the motion side's. All zero is a new one. Its contents are private. */
 struct gx_commands {
   unsigned long opaque[GX_RECEIVER_WORDS];
 };
 
-/**
- * The number of a command.
- */
+/** The number of a command. */
 struct gx_number {
-  /**
-   * 0 to 16383.
-   */
+  /** 0 to 16383. */
   uint16_t value;
-  /**
-   * How it is written: `GX_BINARY` or `GX_ASCII`; 0: there is none.
-   */
+  /** How it is written: `GX_BINARY` or `GX_ASCII`; 0: there is none. */
   unsigned char format;
 };
 
-/**
- * Axes and velocity: a target, the deltas of a step, or a position.
- */
+/** Axes and velocity: a target, the deltas of a step, or a position. */
 struct gx_vector {
-  /**
-   * Along the vector, in steps per second: 0 to 16383.
-   */
+  /** Along the vector, in steps per second: 0 to 16383. */
   uint16_t velocity;
-  /**
-   * Which of the values mean something: bit i is `axes[i]`, bit 6 `velocity`.
-   */
+  /** Which of the values mean something: bit i is `axes[i]`, bit 6 `velocity`. */
   unsigned char mask;
-  /**
-   * x, y, z, a, b, c in steps: positions are -134217728 to 134217727.
-   */
+  /** x, y, z, a, b, c in steps: positions are -134217728 to 134217727. */
   int32_t axes[GX_AXES];
 };
 
-/**
- * What a receiver has found: a command, a notice, a malformed one, or nothing.
- */
+/** What a receiver has found: a command, a notice, a malformed one, or nothing. */
 struct gx_item {
-  /**
-   * What it is: `GX_NONE`, `GX_MOVE` ...
-   */
+  /** What it is: `GX_NONE`, `GX_MOVE` ... */
   int kind;
-  /**
-   * The number of the command; its format is 0 when it has none.
-   */
+  /** The number of the command; its format is 0 when it has none. */
   struct gx_number number;
-  /**
-   * `GX_BINARY` or `GX_ASCII`: how the command or notice was written.
-   */
+  /** `GX_BINARY` or `GX_ASCII`: how the command or notice was written. */
   unsigned char format;
-  /**
-   * Of `GX_MALFORMED`: `GX_FAULT_*`. Of `GX_REFUSED`: one of these, or the controller's own, 0 to 127.
-   */
+  /** Of `GX_MALFORMED`: `GX_FAULT_*`. Of `GX_REFUSED`: one of these, or the controller's own, 0 to 127. */
   unsigned char code;
-  /**
-   * Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted.
-   */
+  /** Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted. */
   uint16_t period;
   /**
    * Of `GX_MOVE` and `GX_POSITION`: positions. Of `GX_STEP`: deltas, to be added to the positions. Values that
@@ -330,16 +159,12 @@ struct gx_item {
   struct gx_vector vector;
 };
 
-/**
- * Receives notices: the host's. All zero is a new one. Its contents are private.
- */
+/** Receives notices: the host's. All zero is a new one. Its contents are private. */
 struct gx_notices {
   unsigned long opaque[GX_RECEIVER_WORDS];
 };
 
-/**
- * Writes a path as the shortest stream of commands. All zero is a path of no axis. Its contents are private.
- */
+/** Writes a path as the shortest stream of commands. All zero is a path of no axis. Its contents are private. */
 struct gx_contour {
   unsigned long opaque[GX_CONTOUR_WORDS];
 };
@@ -373,10 +198,7 @@ int gx_commands_init(struct gx_commands *commands);
  * }
  * ```
  */
-int gx_commands_receive(struct gx_commands *commands,
-                        const void *buf,
-                        int bytes,
-                        struct gx_item *item);
+int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes, struct gx_item *item);
 
 /**
  * To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
@@ -389,8 +211,7 @@ int gx_commands_receive(struct gx_commands *commands,
  *     handle_item(&item);
  * ```
  */
-int gx_commands_idle(struct gx_commands *commands,
-                     struct gx_item *item);
+int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 
 /**
  * Makes a receiver of notices of any memory. Zeroed memory is one too.
@@ -421,10 +242,7 @@ int gx_notices_init(struct gx_notices *notices);
  * }
  * ```
  */
-int gx_notices_receive(struct gx_notices *notices,
-                       const void *buf,
-                       int bytes,
-                       struct gx_item *item);
+int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, struct gx_item *item);
 
 /**
  * To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
@@ -438,8 +256,7 @@ int gx_notices_receive(struct gx_notices *notices,
  *     handle_item(&item);
  * ```
  */
-int gx_notices_idle(struct gx_notices *notices,
-                    struct gx_item *item);
+int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 
 /**
  * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` tell where that is, `GX_STEP`
@@ -454,8 +271,51 @@ int gx_notices_idle(struct gx_notices *notices,
  *     printf("x is at %ld\n", (long)position.axes[0]);
  * ```
  */
-int gx_follow(struct gx_vector *position,
-              const struct gx_item *item);
+int gx_follow(struct gx_vector *position, const struct gx_item *item);
+
+/**
+ * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
+ *
+ * ```c
+ * struct gx_contour contour;
+ * gx_contour_init(&contour, 1 | 2 | 4);
+ * gx_contour_start(&contour, &position);
+ * ```
+ */
+int gx_contour_init(struct gx_contour *contour, unsigned char mask);
+
+/**
+ * Sets where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+ * known, as after an error notice.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+ *
+ * ```c
+ * if (item.kind == GX_REFUSED)
+ *     gx_contour_start(&contour, NULL);
+ * ```
+ */
+int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
+
+/**
+ * Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
+ * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
+ * to 16383, or negative: as before.
+ *
+ * position is NULL or points to six values.
+ *
+ * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+ *
+ * ```c
+ * for (int i = 0; i < path_length; ++i)
+ *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
+ * ```
+ */
+int gx_contour_segment(struct gx_contour *contour, const struct gx_number *number, const int32_t *position,
+    int velocity, void *buf, int cap);
 
 /**
  * Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
@@ -472,11 +332,7 @@ int gx_follow(struct gx_vector *position,
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_write_move(int format,
-                  const struct gx_number *number,
-                  const struct gx_vector *target,
-                  void *buf,
-                  int cap);
+int gx_write_move(int format, const struct gx_number *number, const struct gx_vector *target, void *buf, int cap);
 
 /**
  * Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis.
@@ -504,11 +360,8 @@ int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_write_shortest(const struct gx_number *number,
-                      const struct gx_vector *target,
-                      const struct gx_vector *from,
-                      void *buf,
-                      int cap);
+int gx_write_shortest(const struct gx_number *number, const struct gx_vector *target, const struct gx_vector *from,
+    void *buf, int cap);
 
 /**
  * Writes a command to report the position each period milliseconds, 0 to 16383; 0: never.
@@ -551,11 +404,7 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_write_refused(int format,
-                     const struct gx_number *number,
-                     int code,
-                     void *buf,
-                     int cap);
+int gx_write_refused(int format, const struct gx_number *number, int code, void *buf, int cap);
 
 /**
  * Writes a position report. A position has no velocity: flagged, it does not fit.
@@ -569,57 +418,6 @@ int gx_write_refused(int format,
  * ```
  */
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
-
-/**
- * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
- *
- * ```c
- * struct gx_contour contour;
- * gx_contour_init(&contour, 1 | 2 | 4);
- * gx_contour_start(&contour, &position);
- * ```
- */
-int gx_contour_init(struct gx_contour *contour,
-                    unsigned char mask);
-
-/**
- * Sets where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
- * known, as after an error notice.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
- *
- * ```c
- * if (item.kind == GX_REFUSED)
- *     gx_contour_start(&contour, NULL);
- * ```
- */
-int gx_contour_start(struct gx_contour *contour,
-                     const struct gx_vector *start);
-
-/**
- * Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
- * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
- * to 16383, or negative: as before.
- *
- * position is NULL or points to six values.
- *
- * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
- *
- * ```c
- * for (int i = 0; i < path_length; ++i)
- *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
- *         uart_write(&uart, out, length);
- * ```
- */
-int gx_contour_segment(struct gx_contour *contour,
-                       const struct gx_number *number,
-                       const int32_t *position,
-                       int velocity,
-                       void *buf,
-                       int cap);
-
 
 #ifdef __cplusplus
 }

@@ -3,17 +3,6 @@
  * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
  * where something was lost, and reports how they ended.
  *
- * Generated from src/gx_host.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
- *
  * A session does no I/O. A loop around it:
  *
  * ```c
@@ -54,31 +43,36 @@
  *
  * Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
  * one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/gx_host.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_GX_HOST_H
 #define LIBDELTAROBOT_GX_HOST_H
 
+#include "abi.h"
+#include "gx.h"
 
-#include "libdeltarobot/gx.h"
+LIBDELTAROBOT_NOT_PACKED(gx_host);
 
-#ifdef GX_SIZED_BY_MACRO
-#define gx_host_init gx_host_init_16_16
-#define gx_host_move gx_host_move_16_16
-#define gx_host_report gx_host_report_16_16
-#define gx_host_receive gx_host_receive_16_16
-#define gx_host_poll gx_host_poll_16_16
-#define gx_host_output gx_host_output_16_16
-#define gx_host_next_deadline gx_host_next_deadline_16_16
-#define gx_host_unfinished gx_host_unfinished_16_16
-#define gx_host_get_health gx_host_get_health_16_16
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define gx_host_init GX_SIZED_NAME(gx_host_init)
+#define gx_host_move GX_SIZED_NAME(gx_host_move)
+#define gx_host_report GX_SIZED_NAME(gx_host_report)
+#define gx_host_receive GX_SIZED_NAME(gx_host_receive)
+#define gx_host_poll GX_SIZED_NAME(gx_host_poll)
+#define gx_host_output GX_SIZED_NAME(gx_host_output)
+#define gx_host_next_deadline GX_SIZED_NAME(gx_host_next_deadline)
+#define gx_host_unfinished GX_SIZED_NAME(gx_host_unfinished)
+#define gx_host_get_health GX_SIZED_NAME(gx_host_get_health)
 #endif
 
+/** Words of a struct gx_host. */
 #define GX_HOST_WORDS ((240 + 32 * GX_WINDOW_MAX) / sizeof(unsigned long))
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
 
 /**
  * Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
@@ -86,34 +80,17 @@ extern "C" {
  */
 #define GX_HOST_ENDED 1
 
-/**
- * Event: a position report: position.
- */
+/** Event: a position report: position. */
 #define GX_HOST_REPORT 2
-
-/**
- * Event: an error notice: code, number. What is to be done about it, the session does.
- */
+/** Event: an error notice: code, number. What is to be done about it, the session does. */
 #define GX_HOST_ERROR 3
-
-/**
- * Event: a session has begun.
- */
+/** Event: a session has begun. */
 #define GX_HOST_BEGUN 4
-
-/**
- * Outcome: the move was carried out.
- */
+/** Outcome: the move was carried out. */
 #define GX_HOST_FINISHED 1
-
-/**
- * Outcome: the motion side did not accept the move. It was not carried out.
- */
+/** Outcome: the motion side did not accept the move. It was not carried out. */
 #define GX_HOST_REFUSED 2
-
-/**
- * Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
- */
+/** Outcome: the motion side accepted the move, and has stopped before it was carried out to its end. */
 #define GX_HOST_FAILED 3
 
 /**
@@ -122,9 +99,7 @@ extern "C" {
  */
 #define GX_HOST_DROPPED 4
 
-/**
- * Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
- */
+/** Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known. */
 #define GX_HOST_TIMED_OUT 5
 
 /**
@@ -133,32 +108,22 @@ extern "C" {
  */
 #define GX_HOST_LOST 6
 
-/**
- * A host session. All zero is a new session with default settings. Its contents are private.
- */
+/** A host session. All zero is a new session with default settings. Its contents are private. */
 struct gx_host {
   unsigned long opaque[GX_HOST_WORDS];
 };
 
-/**
- * Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
- */
+/** Settings of a host session, times in milliseconds. 0 stands for the default everywhere. */
 struct gx_host_settings {
-  /**
-   * How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
-   */
+  /** How long an answer may take to come; by default 250. What asks for one is not sent again sooner. */
   unsigned long answer_ms;
   /**
    * How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
    */
   unsigned long probe_ms;
-  /**
-   * A session is given up when a move takes longer than this from its turn on; by default 120000.
-   */
+  /** A session is given up when a move takes longer than this from its turn on; by default 120000. */
   unsigned long move_ms;
-  /**
-   * A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
-   */
+  /** A notice is complete when the line was quiet for this long, or another one has begun; by default 50. */
   unsigned long gap_ms;
   /**
    * How often something is sent without any answer, or a session is asked for that the motion side does not keep,
@@ -170,81 +135,47 @@ struct gx_host_settings {
    * side queues are refused by it, and sent again.
    */
   int window;
-  /**
-   * Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
-   */
+  /** Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too. */
   int ascii;
-  /**
-   * The number that the first session begins with, 0 to 16383.
-   */
+  /** The number that the first session begins with, 0 to 16383. */
   int first_number;
 };
 
-/**
- * Something that happened.
- */
+/** Something that happened. */
 struct gx_host_event {
-  /**
-   * What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
-   */
+  /** What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`. */
   int kind;
-  /**
-   * Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
-   */
+  /** Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others. */
   int outcome;
   /**
    * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
    */
   int code;
-  /**
-   * Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others.
-   */
+  /** Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others. */
   int number;
-  /**
-   * Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone.
-   */
+  /** Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone. */
   struct gx_vector position;
 };
 
-/**
- * Counters of a host session since it began; they wrap.
- */
+/** Counters of a host session since it began; they wrap. */
 struct gx_host_health {
-  /**
-   * Moves sent, each counted once.
-   */
+  /** Moves sent, each counted once. */
   unsigned long moves;
-  /**
-   * Moves sent again.
-   */
+  /** Moves sent again. */
   unsigned long repeats;
-  /**
-   * Notices that moves were carried out.
-   */
+  /** Notices that moves were carried out. */
   unsigned long completions;
-  /**
-   * Error notices.
-   */
+  /** Error notices. */
   unsigned long errors;
-  /**
-   * Notices of numbers that nothing unfinished has: late, or sent again.
-   */
+  /** Notices of numbers that nothing unfinished has: late, or sent again. */
   unsigned long strays;
-  /**
-   * Position reports.
-   */
+  /** Position reports. */
   unsigned long reports;
-  /**
-   * Malformed notices.
-   */
+  /** Malformed notices. */
   unsigned long malformed;
-  /**
-   * Answers that did not come in time.
-   */
+  /** Answers that did not come in time. */
   unsigned long timeouts;
-  /**
-   * Sessions begun.
-   */
+  /** Sessions begun. */
   unsigned long sessions;
 };
 
@@ -282,11 +213,7 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  *     puts("first, events have to be fetched");
  * ```
  */
-int gx_host_move(struct gx_host *host,
-                 const int32_t *target,
-                 int axes,
-                 int velocity)
-GX_SIZED("gx_host_move");
+int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velocity) GX_SIZED("gx_host_move");
 
 /**
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
@@ -301,9 +228,7 @@ GX_SIZED("gx_host_move");
  *     puts("no such period");
  * ```
  */
-int gx_host_report(struct gx_host *host,
-                   int period_ms)
-GX_SIZED("gx_host_report");
+int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
 
 /**
  * Takes received bytes; `now_ms` is when they came.
@@ -317,11 +242,7 @@ GX_SIZED("gx_host_report");
  *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
  */
-int gx_host_receive(struct gx_host *host,
-                    const void *buf,
-                    int bytes,
-                    unsigned long now_ms)
-GX_SIZED("gx_host_receive");
+int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED("gx_host_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
@@ -337,10 +258,7 @@ GX_SIZED("gx_host_receive");
  *         printf("the oldest move: outcome %d\n", event.outcome);
  * ```
  */
-int gx_host_poll(struct gx_host *host,
-                 unsigned long now_ms,
-                 struct gx_host_event *event)
-GX_SIZED("gx_host_poll");
+int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_event *event) GX_SIZED("gx_host_poll");
 
 /**
  * Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
@@ -367,9 +285,7 @@ int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_m
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  * ```
  */
-long gx_host_next_deadline(const struct gx_host *host,
-                           unsigned long now_ms)
-GX_SIZED("gx_host_next_deadline");
+long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_SIZED("gx_host_next_deadline");
 
 /**
  * How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
@@ -392,10 +308,7 @@ int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished"
  *     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
  * ```
  */
-int gx_host_get_health(const struct gx_host *host,
-                       struct gx_host_health *health)
-GX_SIZED("gx_host_get_health");
-
+int gx_host_get_health(const struct gx_host *host, struct gx_host_health *health) GX_SIZED("gx_host_get_health");
 
 #ifdef __cplusplus
 }

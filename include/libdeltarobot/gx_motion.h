@@ -3,17 +3,6 @@
  * libdeltarobot/gx_motion.h: the motion side of the GX protocol, for firmware: takes commands, queues the moves, reports
  * how they end, reports the position.
  *
- * Generated from src/gx_motion.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
- *
  * It does no I/O. The firmware's main loop calls:
  *
  * ```c
@@ -42,28 +31,33 @@
  * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
  * has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
  * move of one, which nothing distinguishes from a true one.
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/gx_motion.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_GX_MOTION_H
 #define LIBDELTAROBOT_GX_MOTION_H
 
+#include "abi.h"
+#include "gx.h"
 
-#include "libdeltarobot/gx.h"
+LIBDELTAROBOT_NOT_PACKED(gx_motion);
 
-#ifdef GX_SIZED_BY_MACRO
-#define gx_motion_init gx_motion_init_16_16
-#define gx_motion_receive gx_motion_receive_16_16
-#define gx_motion_poll gx_motion_poll_16_16
-#define gx_motion_next gx_motion_next_16_16
-#define gx_motion_done gx_motion_done_16_16
-#define gx_motion_stop gx_motion_stop_16_16
-#define gx_motion_set_position gx_motion_set_position_16_16
-#define gx_motion_output gx_motion_output_16_16
-#define gx_motion_next_deadline gx_motion_next_deadline_16_16
-#define gx_motion_unfinished gx_motion_unfinished_16_16
-#define gx_motion_get_health gx_motion_get_health_16_16
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define gx_motion_init GX_SIZED_NAME(gx_motion_init)
+#define gx_motion_receive GX_SIZED_NAME(gx_motion_receive)
+#define gx_motion_poll GX_SIZED_NAME(gx_motion_poll)
+#define gx_motion_next GX_SIZED_NAME(gx_motion_next)
+#define gx_motion_done GX_SIZED_NAME(gx_motion_done)
+#define gx_motion_stop GX_SIZED_NAME(gx_motion_stop)
+#define gx_motion_set_position GX_SIZED_NAME(gx_motion_set_position)
+#define gx_motion_output GX_SIZED_NAME(gx_motion_output)
+#define gx_motion_next_deadline GX_SIZED_NAME(gx_motion_next_deadline)
+#define gx_motion_unfinished GX_SIZED_NAME(gx_motion_unfinished)
+#define gx_motion_get_health GX_SIZED_NAME(gx_motion_get_health)
 #endif
 
-/* What a queued move takes: structs have no padding on AVR. */
+/** Words of a struct gx_motion. A queued move takes fewer bytes on AVR, where structs have no padding. */
 #ifdef __AVR__
 #define GX_MOTION_WORDS ((184 + 29 * GX_QUEUE_MAX) / sizeof(unsigned long))
 #else
@@ -74,25 +68,13 @@
 extern "C" {
 #endif
 
-
-/**
- * Event: a move was queued, for `gx_motion_next` to fetch.
- */
+/** Event: a move was queued, for `gx_motion_next` to fetch. */
 #define GX_MOTION_QUEUED 1
-
-/**
- * Event: a move that was queued before came again. There is nothing to do.
- */
+/** Event: a move that was queued before came again. There is nothing to do. */
 #define GX_MOTION_REPEATED 2
-
-/**
- * Event: a command was refused: code.
- */
+/** Event: a command was refused: code. */
 #define GX_MOTION_REFUSED 3
-
-/**
- * Event: a host has begun a session; its request for position reports holds too.
- */
+/** Event: a host has begun a session; its request for position reports holds too. */
 #define GX_MOTION_BEGUN 4
 
 /**
@@ -101,16 +83,12 @@ extern "C" {
  */
 #define GX_MOTION_REPORTING 5
 
-/**
- * A motion side. All zero is a new one with default settings. Its contents are private.
- */
+/** A motion side. All zero is a new one with default settings. Its contents are private. */
 struct gx_motion {
   unsigned long opaque[GX_MOTION_WORDS];
 };
 
-/**
- * Settings of a motion side. 0 stands for the default everywhere.
- */
+/** Settings of a motion side. 0 stands for the default everywhere. */
 struct gx_motion_settings {
   /**
    * An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
@@ -131,21 +109,13 @@ struct gx_motion_settings {
   int only_in_order;
 };
 
-/**
- * Something that happened.
- */
+/** Something that happened. */
 struct gx_motion_event {
-  /**
-   * What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`.
-   */
+  /** What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`. */
   int kind;
-  /**
-   * The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`.
-   */
+  /** The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`. */
   int number;
-  /**
-   * Of `GX_MOTION_REFUSED`, why: `GX_FAULT_*`; 0 of others.
-   */
+  /** Of `GX_MOTION_REFUSED`, why: `GX_FAULT_*`; 0 of others. */
   int code;
   /**
    * Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
@@ -153,29 +123,17 @@ struct gx_motion_event {
   int period;
 };
 
-/**
- * Counters of a motion side since it began; they wrap.
- */
+/** Counters of a motion side since it began; they wrap. */
 struct gx_motion_health {
-  /**
-   * Moves queued.
-   */
+  /** Moves queued. */
   unsigned long moves;
-  /**
-   * Moves that were queued before and came again: not carried out twice.
-   */
+  /** Moves that were queued before and came again: not carried out twice. */
   unsigned long repeats;
-  /**
-   * Moves refused, with an error notice or without.
-   */
+  /** Moves refused, with an error notice or without. */
   unsigned long refused;
-  /**
-   * Malformed commands.
-   */
+  /** Malformed commands. */
   unsigned long malformed;
-  /**
-   * Position reports sent.
-   */
+  /** Position reports sent. */
   unsigned long reports;
 };
 
@@ -192,9 +150,7 @@ struct gx_motion_health {
  * gx_motion_init(&motion, &settings);
  * ```
  */
-int gx_motion_init(struct gx_motion *motion,
-                   const struct gx_motion_settings *settings)
-GX_SIZED("gx_motion_init");
+int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED("gx_motion_init");
 
 /**
  * Takes received bytes; `now_ms` is when they came.
@@ -216,11 +172,8 @@ GX_SIZED("gx_motion_init");
  *     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
  * ```
  */
-int gx_motion_receive(struct gx_motion *motion,
-                      const void *buf,
-                      int bytes,
-                      unsigned long now_ms)
-GX_SIZED("gx_motion_receive");
+int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsigned long now_ms)
+    GX_SIZED("gx_motion_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
@@ -235,10 +188,8 @@ GX_SIZED("gx_motion_receive");
  *     printf("event %d\n", event.kind);
  * ```
  */
-int gx_motion_poll(struct gx_motion *motion,
-                   unsigned long now_ms,
-                   struct gx_motion_event *event)
-GX_SIZED("gx_motion_poll");
+int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_motion_event *event)
+    GX_SIZED("gx_motion_poll");
 
 /**
  * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
@@ -256,10 +207,7 @@ GX_SIZED("gx_motion_poll");
  *     motors_start(target.mask, target.axes, target.velocity);
  * ```
  */
-int gx_motion_next(struct gx_motion *motion,
-                   struct gx_vector *move,
-                   int *number)
-GX_SIZED("gx_motion_next");
+int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number) GX_SIZED("gx_motion_next");
 
 /**
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is told to the host.
@@ -272,8 +220,7 @@ GX_SIZED("gx_motion_next");
  *     gx_motion_done(&motion);
  * ```
  */
-int gx_motion_done(struct gx_motion *motion)
-GX_SIZED("gx_motion_done");
+int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 
 /**
  * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
@@ -291,9 +238,7 @@ GX_SIZED("gx_motion_done");
  *     gx_motion_stop(&motion, 0);
  * ```
  */
-int gx_motion_stop(struct gx_motion *motion,
-                   int code)
-GX_SIZED("gx_motion_stop");
+int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop");
 
 /**
  * Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
@@ -310,9 +255,7 @@ GX_SIZED("gx_motion_stop");
  * gx_motion_set_position(&motion, steps);
  * ```
  */
-int gx_motion_set_position(struct gx_motion *motion,
-                           const int32_t *position)
-GX_SIZED("gx_motion_set_position");
+int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX_SIZED("gx_motion_set_position");
 
 /**
  * Fetches the bytes to send: whole notices and reports, as many as fit; `now_ms` is when they leave. To be called
@@ -327,11 +270,7 @@ GX_SIZED("gx_motion_set_position");
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_motion_output(struct gx_motion *motion,
-                     void *buf,
-                     int cap,
-                     unsigned long now_ms)
-GX_SIZED("gx_motion_output");
+int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_motion_output");
 
 /**
  * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
@@ -343,9 +282,7 @@ GX_SIZED("gx_motion_output");
  * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
  * ```
  */
-long gx_motion_next_deadline(const struct gx_motion *motion,
-                             unsigned long now_ms)
-GX_SIZED("gx_motion_next_deadline");
+long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_ms) GX_SIZED("gx_motion_next_deadline");
 
 /**
  * How many moves are queued or being carried out; 0 also when motion is NULL.
@@ -368,10 +305,8 @@ int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unf
  *     printf("%lu moves, %lu refused\n", health.moves, health.refused);
  * ```
  */
-int gx_motion_get_health(const struct gx_motion *motion,
-                         struct gx_motion_health *health)
-GX_SIZED("gx_motion_get_health");
-
+int gx_motion_get_health(const struct gx_motion *motion, struct gx_motion_health *health)
+    GX_SIZED("gx_motion_get_health");
 
 #ifdef __cplusplus
 }

@@ -2,17 +2,6 @@
  * @file
  * libdeltarobot/host.h: the host's end of the link: sends requests, retransmits them, reports how they ended.
  *
- * Generated from src/host.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
- *
  * A session does no I/O. A loop around it, from the first request on:
  *
  * ```c
@@ -37,110 +26,68 @@
  *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
  * }
  * ```
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/host.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_HOST_H
 #define LIBDELTAROBOT_HOST_H
 
+#include "abi.h"
+#include "payload.h"
 
-#include "libdeltarobot/payload.h"
+LIBDELTAROBOT_NOT_PACKED(host);
 
-#ifdef DP_SIZED_BY_MACRO
-#define dp_host_init dp_host_init_128_32
-#define dp_host_home dp_host_home_128_32
-#define dp_host_move dp_host_move_128_32
-#define dp_host_cancel dp_host_cancel_128_32
-#define dp_host_status dp_host_status_128_32
-#define dp_host_receive dp_host_receive_128_32
-#define dp_host_poll dp_host_poll_128_32
-#define dp_host_output dp_host_output_128_32
-#define dp_host_next_deadline dp_host_next_deadline_128_32
-#define dp_host_busy dp_host_busy_128_32
-#define dp_host_get_health dp_host_get_health_128_32
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define dp_host_init DP_SIZED_NAME(dp_host_init)
+#define dp_host_home DP_SIZED_NAME(dp_host_home)
+#define dp_host_move DP_SIZED_NAME(dp_host_move)
+#define dp_host_cancel DP_SIZED_NAME(dp_host_cancel)
+#define dp_host_status DP_SIZED_NAME(dp_host_status)
+#define dp_host_receive DP_SIZED_NAME(dp_host_receive)
+#define dp_host_poll DP_SIZED_NAME(dp_host_poll)
+#define dp_host_output DP_SIZED_NAME(dp_host_output)
+#define dp_host_next_deadline DP_SIZED_NAME(dp_host_next_deadline)
+#define dp_host_busy DP_SIZED_NAME(dp_host_busy)
+#define dp_host_get_health DP_SIZED_NAME(dp_host_get_health)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
- */
+/** A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet. */
 #define DP_RC_BUSY 5
-
-/**
- * Nothing has happened.
- */
+/** Nothing has happened. */
 #define DP_RC_NO_EVENT 6
-
-/**
- * Room for what is to be sent at a time: three requests.
- */
+/** Room for what is to be sent at a time: three requests. */
 #define DP_HOST_OUTPUT_MAX 27
-
-/**
- * Words of a session's room.
- */
+/** Words of a session's room. */
 #define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
-
-/**
- * Event: a message was received; `msg` holds it. Only where the settings ask for these events.
- */
+/** Event: a message was received; `msg` holds it. Only where the settings ask for these events. */
 #define DP_HOST_MESSAGE 1
-
-/**
- * Event: a status report was received; `report` holds it, `state` its state.
- */
+/** Event: a status report was received; `report` holds it, `state` its state. */
 #define DP_HOST_STATUS 2
-
-/**
- * Event: the platform is in another state than before: `state`; `report` is the status report that says so.
- */
+/** Event: the platform is in another state than before: `state`; `report` is the status report that says so. */
 #define DP_HOST_STATE 3
-
-/**
- * Event: a general error was received.
- */
+/** Event: a general error was received. */
 #define DP_HOST_ERROR 4
-
-/**
- * Event: the controller has accepted the operation `opcode`.
- */
+/** Event: the controller has accepted the operation `opcode`. */
 #define DP_HOST_ACCEPTED 5
-
-/**
- * Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
- */
+/** Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request. */
 #define DP_HOST_ENDED 6
-
-/**
- * Outcome: the request was carried out.
- */
+/** Outcome: the request was carried out. */
 #define DP_HOST_FINISHED 1
-
-/**
- * Outcome: the controller did not accept the request.
- */
+/** Outcome: the controller did not accept the request. */
 #define DP_HOST_REFUSED 2
-
-/**
- * Outcome: the controller accepted the operation, and could not carry it out.
- */
+/** Outcome: the controller accepted the operation, and could not carry it out. */
 #define DP_HOST_FAILED 3
-
-/**
- * Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
- */
+/** Outcome: the operation was cancelled: before it was ever sent, or the platform stands now. */
 #define DP_HOST_CANCELLED 4
-
-/**
- * Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
- */
+/** Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known. */
 #define DP_HOST_TIMED_OUT 5
 
-/**
- * A session. All zero is one with the default settings.
- */
+/** A session. All zero is one with the default settings. */
 struct dp_host {
   unsigned long opaque[DP_HOST_WORDS];
 };
@@ -150,9 +97,7 @@ struct dp_host {
  * (24 days).
  */
 struct dp_host_settings {
-  /**
-   * How long an answer is waited for before the request is retransmitted; by default 250.
-   */
+  /** How long an answer is waited for before the request is retransmitted; by default 250. */
   unsigned long ack_ms;
   /**
    * The longest time from sending a request to its answer's arrival, however late: what has not come by then is
@@ -164,38 +109,24 @@ struct dp_host_settings {
    * other state before it, does not end the operation. Not below guard; by default 500.
    */
   unsigned long settle_ms;
-  /**
-   * During an operation the status is requested when no report came for this long; by default 200.
-   */
+  /** During an operation the status is requested when no report came for this long; by default 200. */
   unsigned long poll_ms;
-  /**
-   * An operation is given up when nothing at all was received for this long; by default 3000.
-   */
+  /** An operation is given up when nothing at all was received for this long; by default 3000. */
   unsigned long silence_ms;
-  /**
-   * An operation is given up after this long in any case; by default 120000.
-   */
+  /** An operation is given up after this long in any case; by default 120000. */
   unsigned long operation_ms;
-  /**
-   * An incomplete frame is given up when the line was quiet for this long; by default 50.
-   */
+  /** An incomplete frame is given up when the line was quiet for this long; by default 50. */
   unsigned long gap_ms;
   /**
    * How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
    * displacement; by default 0.25, twice what shipped firmware allows itself.
    */
   float tolerance;
-  /**
-   * How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
-   */
+  /** How often a request is sent altogether before it has timed out, 1 to 255; by default 4. */
   int attempts;
-  /**
-   * Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`.
-   */
+  /** Layout of status reports, one of `DP_LAYOUT_*`; by default `DP_LAYOUT_AUTO`. */
   int layout;
-  /**
-   * Not 0: each received message is an event.
-   */
+  /** Not 0: each received message is an event. */
   int messages;
   /**
    * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
@@ -204,88 +135,50 @@ struct dp_host_settings {
   int duplicates;
 };
 
-/**
- * Something that happened.
- */
+/** Something that happened. */
 struct dp_host_event {
-  /**
-   * What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
-   */
+  /** What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`. */
   int kind;
   /**
    * Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
    * `STATUS`.
    */
   unsigned char opcode;
-  /**
-   * Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
-   */
+  /** Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others. */
   int outcome;
-  /**
-   * Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
-   */
+  /** Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others. */
   int state;
-  /**
-   * Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
-   */
+  /** Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone. */
   struct protocol_msg_status_report report;
-  /**
-   * Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
-   */
+  /** Of `DP_HOST_MESSAGE`, the message. Other events may have changed it. */
   struct protocol_msg msg;
 };
 
-/**
- * Statistics of a session since it began. Counters wrap at 2^32.
- */
+/** Statistics of a session since it began. Counters wrap at 2^32. */
 struct dp_host_health {
-  /**
-   * Intact frames received.
-   */
+  /** Intact frames received. */
   unsigned long frames;
-  /**
-   * Of these, frames whose payload has the wrong length for the opcode. They are ignored.
-   */
+  /** Of these, frames whose payload has the wrong length for the opcode. They are ignored. */
   unsigned long malformed;
-  /**
-   * Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked.
-   */
+  /** Of these, acks and nacks that nothing was waiting for: late, or of another opcode than was asked. */
   unsigned long strays;
-  /**
-   * Bytes received that belong to no intact frame.
-   */
+  /** Bytes received that belong to no intact frame. */
   unsigned long garbage_bytes;
-  /**
-   * Frames that were whole but for their checksum. Their bytes are among the garbage.
-   */
+  /** Frames that were whole but for their checksum. Their bytes are among the garbage. */
   unsigned long checksum_failures;
-  /**
-   * Answers that did not come in time.
-   */
+  /** Answers that did not come in time. */
   unsigned long timeouts;
-  /**
-   * Requests that were retransmitted because of that.
-   */
+  /** Requests that were retransmitted because of that. */
   unsigned long retransmissions;
-  /**
-   * Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds.
-   */
+  /** Number of round trips measured: from a request that was sent once to its answer. Times in milliseconds. */
   unsigned long rtt_count;
-  /**
-   * The last round-trip time.
-   */
+  /** The last round-trip time. */
   unsigned long rtt_last;
-  /**
-   * The shortest round-trip time.
-   */
+  /** The shortest round-trip time. */
   unsigned long rtt_min;
-  /**
-   * The longest round-trip time.
-   */
+  /** The longest round-trip time. */
   unsigned long rtt_max;
-  /**
-   * Sum of the round-trip times: divided by `rtt_count`, their average.
-   */
+  /** Sum of the round-trip times: divided by `rtt_count`, their average. */
   unsigned long rtt_sum;
 };
 
@@ -312,8 +205,7 @@ int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) 
  *     puts("first, DP_HOST_ENDED has to come");
  * ```
  */
-int dp_host_home(struct dp_host *host)
-DP_SIZED("dp_host_home");
+int dp_host_home(struct dp_host *host) DP_SIZED("dp_host_home");
 
 /**
  * Requests a move to a position. The end comes as an event.
@@ -327,9 +219,7 @@ DP_SIZED("dp_host_home");
  *     puts("no robot can go there");
  * ```
  */
-int dp_host_move(struct dp_host *host,
-                 const struct protocol_msg_position *target)
-DP_SIZED("dp_host_move");
+int dp_host_move(struct dp_host *host, const struct protocol_msg_position *target) DP_SIZED("dp_host_move");
 
 /**
  * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
@@ -343,8 +233,7 @@ DP_SIZED("dp_host_move");
  *     dp_host_cancel(&host);
  * ```
  */
-int dp_host_cancel(struct dp_host *host)
-DP_SIZED("dp_host_cancel");
+int dp_host_cancel(struct dp_host *host) DP_SIZED("dp_host_cancel");
 
 /**
  * Requests a status report. It ends with the next report that is received.
@@ -357,8 +246,7 @@ DP_SIZED("dp_host_cancel");
  *     asked_at = now_ms();
  * ```
  */
-int dp_host_status(struct dp_host *host)
-DP_SIZED("dp_host_status");
+int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
 
 /**
  * Takes received bytes; `now_ms` is when they came.
@@ -372,11 +260,7 @@ DP_SIZED("dp_host_status");
  *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
  */
-int dp_host_receive(struct dp_host *host,
-                    const void *buf,
-                    int bytes,
-                    unsigned long now_ms)
-DP_SIZED("dp_host_receive");
+int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED("dp_host_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
@@ -392,10 +276,7 @@ DP_SIZED("dp_host_receive");
  *         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
  * ```
  */
-int dp_host_poll(struct dp_host *host,
-                 unsigned long now_ms,
-                 struct dp_host_event *event)
-DP_SIZED("dp_host_poll");
+int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED("dp_host_poll");
 
 /**
  * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
@@ -411,11 +292,7 @@ DP_SIZED("dp_host_poll");
  *     uart_write(&uart, out, length);
  * ```
  */
-int dp_host_output(struct dp_host *host,
-                   void *buf,
-                   int cap,
-                   unsigned long now_ms)
-DP_SIZED("dp_host_output");
+int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED("dp_host_output");
 
 /**
  * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
@@ -427,9 +304,7 @@ DP_SIZED("dp_host_output");
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
  * ```
  */
-long dp_host_next_deadline(const struct dp_host *host,
-                           unsigned long now_ms)
-DP_SIZED("dp_host_next_deadline");
+long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_SIZED("dp_host_next_deadline");
 
 /**
  * Whether an operation is going on.
@@ -454,10 +329,7 @@ int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
  *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  * ```
  */
-int dp_host_get_health(const struct dp_host *host,
-                       struct dp_host_health *health)
-DP_SIZED("dp_host_get_health");
-
+int dp_host_get_health(const struct dp_host *host, struct dp_host_health *health) DP_SIZED("dp_host_get_health");
 
 #ifdef __cplusplus
 }

@@ -3,17 +3,6 @@
  * libdeltarobot/line_device.h: the device's end of the Ozeki line protocol's link, for firmware: tells which devices
  * are there, takes commands, has them executed, answers them, and sends events.
  *
- * Generated from src/line_device.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
- *
  * A main loop around it:
  *
  * ```c
@@ -38,107 +27,82 @@
  *
  * What it answers to what:
  *
- *     intact command           ack if acks are in force, then <command>_resp
- *     its repeat               the same again; it is not executed again (see repeat_ms)
- *     linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
- *                              understood stays as it is
- *     unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
- *     refused by its function  ack, onerror refused, and the command's t
- *     executed, but the answer can't be sent    ack, onerror toolong, and the command's t
- *     wrong checksum, missing checksum when one is in force, too long, unreadable
- *                              onerror with code checksum, overflow or malformed; nothing is executed
+ * ```text
+ * intact command           ack if acks are in force, then <command>_resp
+ * its repeat               the same again; it is not executed again (see repeat_ms)
+ * linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
+ *                          understood stays as it is
+ * unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
+ * refused by its function  ack, onerror refused, and the command's t
+ * executed, but the answer can't be sent    ack, onerror toolong, and the command's t
+ * wrong checksum, missing checksum when one is in force, too long, unreadable
+ *                          onerror with code checksum, overflow or malformed; nothing is executed
+ * ```
+ *
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/line_device.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_LINE_DEVICE_H
 #define LIBDELTAROBOT_LINE_DEVICE_H
 
+#include "abi.h"
+#include "line_protocol.h"
 
-#include "libdeltarobot/line_protocol.h"
+LIBDELTAROBOT_NOT_PACKED(line_device);
 
-#ifdef OLP_SIZED_BY_MACRO
-#define olp_device_init olp_device_init_255_8_128_16
-#define olp_device_restart olp_device_restart_255_8_128_16
-#define olp_device_linksetup olp_device_linksetup_255_8_128_16
-#define olp_device_receive olp_device_receive_255_8_128_16
-#define olp_device_poll olp_device_poll_255_8_128_16
-#define olp_device_event olp_device_event_255_8_128_16
-#define olp_device_get_health olp_device_get_health_255_8_128_16
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define olp_device_init OLP_SIZED_NAME(olp_device_init)
+#define olp_device_restart OLP_SIZED_NAME(olp_device_restart)
+#define olp_device_linksetup OLP_SIZED_NAME(olp_device_linksetup)
+#define olp_device_receive OLP_SIZED_NAME(olp_device_receive)
+#define olp_device_poll OLP_SIZED_NAME(olp_device_poll)
+#define olp_device_event OLP_SIZED_NAME(olp_device_event)
+#define olp_device_get_health OLP_SIZED_NAME(olp_device_get_health)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * Length of the longest id that a device behind a link may have.
- */
+/** Length of the longest id that a device behind a link may have. */
 #define OLP_ID_MAX 10
 
-/**
- * The answer to a command. Its fields are private.
- */
+/** The answer to a command. Its fields are private. */
 struct olp_device_answer {
-  /**
-   * When the command was executed, or repeated last.
-   */
+  /** When the command was executed, or repeated last. */
   unsigned long since;
-  /**
-   * The command's checksum.
-   */
+  /** The command's checksum. */
   unsigned int sum;
-  /**
-   * The command's t.
-   */
+  /** The command's t. */
   unsigned char t;
-  /**
-   * Length of the answer; 0 when there is none.
-   */
+  /** Length of the answer; 0 when there is none. */
   unsigned char length;
-  /**
-   * The answer, a line with its LF.
-   */
+  /** The answer, a line with its LF. */
   unsigned char text[OLP_REPLY_MAX];
 };
 
-/**
- * The answers to the last commands. Its fields are private; all zero is one without any.
- */
+/** The answers to the last commands. Its fields are private; all zero is one without any. */
 struct olp_device_answers {
   struct olp_device_answer slots[OLP_WINDOW_MAX];
   unsigned char newest;
-  /**
-   * Not 0: the newest command has just been executed, which may have taken longer than the time in it says.
-   */
+  /** Not 0: the newest command has just been executed, which may have taken longer than the time in it says. */
   unsigned char fresh;
 };
 
-/**
- * How the link does. The counters wrap.
- */
+/** How the link does. The counters wrap. */
 struct olp_device_health {
-  /**
-   * Commands that were received intact, repeats among them.
-   */
+  /** Commands that were received intact, repeats among them. */
   unsigned long commands;
-  /**
-   * Commands that came again and were only answered again.
-   */
+  /** Commands that came again and were only answered again. */
   unsigned long repeats;
-  /**
-   * Lines whose checksum was wrong or missing.
-   */
+  /** Lines whose checksum was wrong or missing. */
   unsigned long checksums;
-  /**
-   * Lines that could not be read.
-   */
+  /** Lines that could not be read. */
   unsigned long malformed;
-  /**
-   * Lines that were too long.
-   */
+  /** Lines that were too long. */
   unsigned long overflows;
-  /**
-   * Commands that were refused: by their function, or because nobody knows their id or name.
-   */
+  /** Commands that were refused: by their function, or because nobody knows their id or name. */
   unsigned long refused;
 };
 
@@ -148,21 +112,15 @@ struct olp_device_health {
 struct olp_device_setup {
   unsigned char ack;
   unsigned char checksum;
-  /**
-   * Commands that may be unanswered; 0 stands for 1.
-   */
+  /** Commands that may be unanswered; 0 stands for 1. */
   unsigned char window;
 };
 
-/**
- * What is known of the link. Its fields are private; all zero is one that has just been connected.
- */
+/** What is known of the link. Its fields are private; all zero is one that has just been connected. */
 struct olp_device_link {
   struct olp_device_answers answers;
   struct olp_device_health health;
-  /**
-   * For how many milliseconds repeats are expected; 0 stands for 3000.
-   */
+  /** For how many milliseconds repeats are expected; 0 stands for 3000. */
   unsigned long repeat_ms;
   /**
    * The checksum of the linksetup that was refused last for want of one; 0, which no line has, when another came
@@ -170,35 +128,23 @@ struct olp_device_link {
    */
   unsigned int doubted;
   struct olp_device_setup setup;
-  /**
-   * The t of the next message.
-   */
+  /** The t of the next message. */
   unsigned char next;
 };
 
-/**
- * A device behind the link, as its welcome tells. The texts end with a zero byte.
- */
+/** A device behind the link, as its welcome tells. The texts end with a zero byte. */
 struct olp_device_info {
   /**
    * 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
    */
   const char *id;
-  /**
-   * What it is, e.g. OzekiSwitchController.
-   */
+  /** What it is, e.g. OzekiSwitchController. */
   const char *type;
-  /**
-   * Its place; 0: it is not told.
-   */
+  /** Its place; 0: it is not told. */
   int pos;
-  /**
-   * Its name; NULL: it has none.
-   */
+  /** Its name; NULL: it has none. */
   const char *name;
-  /**
-   * Its version; NULL: it has none.
-   */
+  /** Its version; NULL: it has none. */
   const char *version;
 };
 
@@ -220,21 +166,13 @@ struct olp_device_info {
  */
 typedef int (*olp_run_func_t)(const struct olp_message *command, struct olp_encoder *answer, void *usr);
 
-/**
- * A command that a device executes.
- */
+/** A command that a device executes. */
 struct olp_command {
-  /**
-   * The device's id; NULL: each device has it. The first command that fits is taken.
-   */
+  /** The device's id; NULL: each device has it. The first command that fits is taken. */
   const char *id;
-  /**
-   * The command's name, of `[a-z0-9]`.
-   */
+  /** The command's name, of `[a-z0-9]`. */
   const char *name;
-  /**
-   * What executes it; NULL: it is refused.
-   */
+  /** What executes it; NULL: it is refused. */
   olp_run_func_t run;
 };
 
@@ -251,29 +189,17 @@ struct olp_command {
  */
 typedef int (*olp_send_func_t)(const void *line, int bytes, void *usr);
 
-/**
- * What is behind a link, and how to send to its other end.
- */
+/** What is behind a link, and how to send to its other end. */
 struct olp_device_table {
-  /**
-   * The devices, at least one. The first stands for all of them where the link itself has something to tell.
-   */
+  /** The devices, at least one. The first stands for all of them where the link itself has something to tell. */
   const struct olp_device_info *devices;
-  /**
-   * Their number.
-   */
+  /** Their number. */
   int device_count;
-  /**
-   * What they execute. linksetup is not among it: the library does that.
-   */
+  /** What they execute. linksetup is not among it: the library does that. */
   const struct olp_command *commands;
-  /**
-   * Number of commands.
-   */
+  /** Number of commands. */
   int command_count;
-  /**
-   * Sends a line.
-   */
+  /** Sends a line. */
   olp_send_func_t send;
   /**
    * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
@@ -283,38 +209,26 @@ struct olp_device_table {
   unsigned long repeat_ms;
 };
 
-/**
- * The line that is being received: one at a time, as long as a command may be. Its fields are private.
- */
+/** The line that is being received: one at a time, as long as a command may be. Its fields are private. */
 struct olp_device_input {
   struct olp_assembly assembly;
-  /**
-   * What was received: 0 nothing yet, the length of a line, or 255: one that was too long.
-   */
+  /** What was received: 0 nothing yet, the length of a line, or 255: one that was too long. */
   unsigned char received;
   unsigned char line[OLP_COMMAND_MAX];
 };
 
-/**
- * The device's end of a link. Its fields are private.
- */
+/** The device's end of a link. Its fields are private. */
 struct olp_device {
   struct olp_device_link link;
   const struct olp_device_table *table;
   void *usr;
-  /**
-   * How many devices were welcomed.
-   */
+  /** How many devices were welcomed. */
   int welcomed;
   struct olp_device_input input;
-  /**
-   * The setup to tell by an event of its own, if `tells` is not 0.
-   */
+  /** The setup to tell by an event of its own, if `tells` is not 0. */
   struct olp_device_setup own;
   unsigned char tells;
-  /**
-   * Not 0 while `olp_device_poll` runs.
-   */
+  /** Not 0 while `olp_device_poll` runs. */
   unsigned char serving;
 };
 
@@ -335,10 +249,8 @@ struct olp_device {
  * olp_device_init(&device, &table, &uart);
  * ```
  */
-int olp_device_init(struct olp_device *device,
-                    const struct olp_device_table *table,
-                    void *usr)
-OLP_SIZED("olp_device_init");
+int olp_device_init(struct olp_device *device, const struct olp_device_table *table, void *usr)
+    OLP_SIZED("olp_device_init");
 
 /**
  * Begins anew, as after `olp_device_init`: to be called when another connection is made.
@@ -352,8 +264,7 @@ OLP_SIZED("olp_device_init");
  *     olp_device_restart(&device);
  * ```
  */
-int olp_device_restart(struct olp_device *device)
-OLP_SIZED("olp_device_restart");
+int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart");
 
 /**
  * Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
@@ -368,11 +279,8 @@ OLP_SIZED("olp_device_restart");
  *     olp_device_poll(&device, now_ms());
  * ```
  */
-int olp_device_linksetup(struct olp_device *device,
-                         int ack,
-                         int checksum,
-                         int window)
-OLP_SIZED("olp_device_linksetup");
+int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window)
+    OLP_SIZED("olp_device_linksetup");
 
 /**
  * Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
@@ -388,11 +296,8 @@ OLP_SIZED("olp_device_linksetup");
  *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
  * ```
  */
-int olp_device_receive(struct olp_device *device,
-                       const void *buf,
-                       int bytes,
-                       unsigned long now_ms)
-OLP_SIZED("olp_device_receive");
+int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)
+    OLP_SIZED("olp_device_receive");
 
 /**
  * Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
@@ -408,9 +313,7 @@ OLP_SIZED("olp_device_receive");
  *     ;
  * ```
  */
-int olp_device_poll(struct olp_device *device,
-                    unsigned long now_ms)
-OLP_SIZED("olp_device_poll");
+int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("olp_device_poll");
 
 /**
  * Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
@@ -430,10 +333,8 @@ OLP_SIZED("olp_device_poll");
  * olp_device_event(&device, &event, "M1F910");
  * ```
  */
-int olp_device_event(struct olp_device *device,
-                     struct olp_encoder *event,
-                     const char *id)
-OLP_SIZED("olp_device_event");
+int olp_device_event(struct olp_device *device, struct olp_encoder *event, const char *id)
+    OLP_SIZED("olp_device_event");
 
 /**
  * How the link does.
@@ -446,8 +347,7 @@ OLP_SIZED("olp_device_event");
  * ```
  */
 const struct olp_device_health *olp_device_get_health(const struct olp_device *device)
-OLP_SIZED("olp_device_get_health");
-
+    OLP_SIZED("olp_device_get_health");
 
 #ifdef __cplusplus
 }

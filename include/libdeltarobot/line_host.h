@@ -3,17 +3,6 @@
  * libdeltarobot/line_host.h: the PC's end of the Ozeki line protocol's link: sends commands, repeats them, tells how
  * they ended and what the devices say.
  *
- * Generated from src/line_host.rs for these sizes: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
- *
  * A session does no I/O. A loop around it:
  *
  * ```c
@@ -54,59 +43,54 @@
  *
  * What holds for the outcome of a command, if the device recognises repeats:
  *
- *     acks on, checksums on    ANSWERED: carried out once. REFUSED: not at all. Else once or not at all.
- *     acks on, checksums off   the same, if no line to the device is damaged: it carries out what arrives.
- *     acks off                 the same, if no line is damaged, none takes longer than timeout_ms there and back, and
- *                              no two commands of one name and id are on their way: an answer tells no number.
- *     checksums on             in any case: once or not at all.
+ * ```text
+ * acks on, checksums on    ANSWERED: carried out once. REFUSED: not at all. Else once or not at all.
+ * acks on, checksums off   the same, if no line to the device is damaged: it carries out what arrives.
+ * acks off                 the same, if no line is damaged, none takes longer than timeout_ms there and back, and
+ *                          no two commands of one name and id are on their way: an answer tells no number.
+ * checksums on             in any case: once or not at all.
+ * ```
  *
  * A device that starts anew in between may carry a command out again, and a damaged line has the right checksum once in
  * some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
  * commands are repeated only when the device asks for it, or the settings say that it recognises repeats. The order in
  * which commands are carried out is that of sending while the window is 1; in a larger one, repeated ones fall behind.
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/line_host.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_LINE_HOST_H
 #define LIBDELTAROBOT_LINE_HOST_H
 
+#include "abi.h"
+#include "line_protocol.h"
 
-#include "libdeltarobot/line_protocol.h"
+LIBDELTAROBOT_NOT_PACKED(line_host);
 
-#ifdef OLP_SIZED_BY_MACRO
-#define olp_host_init olp_host_init_255_8_128_16
-#define olp_host_setup olp_host_setup_255_8_128_16
-#define olp_host_send olp_host_send_255_8_128_16
-#define olp_host_receive olp_host_receive_255_8_128_16
-#define olp_host_poll olp_host_poll_255_8_128_16
-#define olp_host_output olp_host_output_255_8_128_16
-#define olp_host_next_deadline olp_host_next_deadline_255_8_128_16
-#define olp_host_get_link olp_host_get_link_255_8_128_16
-#define olp_host_get_device olp_host_get_device_255_8_128_16
-#define olp_host_get_health olp_host_get_health_255_8_128_16
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define olp_host_init OLP_SIZED_NAME(olp_host_init)
+#define olp_host_setup OLP_SIZED_NAME(olp_host_setup)
+#define olp_host_send OLP_SIZED_NAME(olp_host_send)
+#define olp_host_receive OLP_SIZED_NAME(olp_host_receive)
+#define olp_host_poll OLP_SIZED_NAME(olp_host_poll)
+#define olp_host_output OLP_SIZED_NAME(olp_host_output)
+#define olp_host_next_deadline OLP_SIZED_NAME(olp_host_next_deadline)
+#define olp_host_get_link OLP_SIZED_NAME(olp_host_get_link)
+#define olp_host_get_device OLP_SIZED_NAME(olp_host_get_device)
+#define olp_host_get_health OLP_SIZED_NAME(olp_host_get_health)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * Longest id that a device in the table may have.
- */
+/** Longest id that a device in the table may have. */
 #define OLP_HOST_ID_MAX 15
-
-/**
- * Longest type of a device that is kept whole.
- */
+/** Longest type of a device that is kept whole. */
 #define OLP_HOST_TYPE_MAX 47
-
-/**
- * Longest name of a device that is kept whole.
- */
+/** Longest name of a device that is kept whole. */
 #define OLP_HOST_NAME_MAX 31
-
-/**
- * Longest version of a device that is kept whole.
- */
+/** Longest version of a device that is kept whole. */
 #define OLP_HOST_VERSION_MAX 15
 
 /**
@@ -116,24 +100,13 @@ extern "C" {
  */
 #define OLP_HOST_WELCOME 1
 
-/**
- * Event: what is in force on the link was told, or has changed: `link`.
- */
+/** Event: what is in force on the link was told, or has changed: `link`. */
 #define OLP_HOST_LINKSETUP 2
-
-/**
- * Event: the device has acknowledged the command `handle`. Once for each.
- */
+/** Event: the device has acknowledged the command `handle`. Once for each. */
 #define OLP_HOST_ACKED 3
-
-/**
- * Event: the command `handle` has ended as `outcome` says. Exactly once for each.
- */
+/** Event: the command `handle` has ended as `outcome` says. Exactly once for each. */
 #define OLP_HOST_ENDED 4
-
-/**
- * Event: another line came from the device: `message`.
- */
+/** Event: another line came from the device: `message`. */
 #define OLP_HOST_LINE 5
 
 /**
@@ -148,9 +121,7 @@ extern "C" {
  */
 #define OLP_HOST_ERROR 7
 
-/**
- * Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
- */
+/** Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`. */
 #define OLP_HOST_DROPPED 8
 
 /**
@@ -159,9 +130,7 @@ extern "C" {
  */
 #define OLP_HOST_ANSWERED 1
 
-/**
- * Outcome: the device did not carry it out, and says so: `message`, an `onerror`.
- */
+/** Outcome: the device did not carry it out, and says so: `message`, an `onerror`. */
 #define OLP_HOST_REFUSED 2
 
 /**
@@ -170,27 +139,16 @@ extern "C" {
  */
 #define OLP_HOST_TIMED_OUT 3
 
-/**
- * Outcome: the device has started anew. Whether the command was carried out before that is not known.
- */
+/** Outcome: the device has started anew. Whether the command was carried out before that is not known. */
 #define OLP_HOST_RESTARTED 4
-
-/**
- * Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
- */
+/** Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long. */
 #define OLP_HOST_NOT_SENT 5
 
-/**
- * Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
- */
+/** Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1. */
 struct olp_host_settings {
-  /**
-   * How long an ack may take; 0: 500. (The page gives no times.)
-   */
+  /** How long an ack may take; 0: 500. (The page gives no times.) */
   unsigned long timeout_ms;
-  /**
-   * How long an answer may take, from when the command was sent last; 0: as long as an ack.
-   */
+  /** How long an answer may take, from when the command was sent last; 0: as long as an ack. */
   unsigned long answer_ms;
   /**
    * How long after a command was sent first it may still be repeated; 0: 2000. For longer than this, and the time
@@ -198,80 +156,46 @@ struct olp_host_settings {
    * by default).
    */
   unsigned long repeat_ms;
-  /**
-   * How often a command may be repeated; 0: 3; below 0: never.
-   */
+  /** How often a command may be repeated; 0: 3; below 0: never. */
   int repeats;
-  /**
-   * Not 0: the device recognises repeated commands, so that they are repeated without acks too.
-   */
+  /** Not 0: the device recognises repeated commands, so that they are repeated without acks too. */
   int recognises;
 };
 
-/**
- * Counters of a host session since it began; they wrap.
- */
+/** Counters of a host session since it began; they wrap. */
 struct olp_host_health {
-  /**
-   * Lines received that can be read.
-   */
+  /** Lines received that can be read. */
   unsigned long lines;
-  /**
-   * Of these, acks, answers and refusals that nothing was waiting for.
-   */
+  /** Of these, acks, answers and refusals that nothing was waiting for. */
   unsigned long strays;
-  /**
-   * Lines that can't be read.
-   */
+  /** Lines that can't be read. */
   unsigned long malformed;
-  /**
-   * Lines that were too long.
-   */
+  /** Lines that were too long. */
   unsigned long overlong;
-  /**
-   * Messages that the device has sent, as the gaps in their numbers show, and that were not received.
-   */
+  /** Messages that the device has sent, as the gaps in their numbers show, and that were not received. */
   unsigned long lost;
-  /**
-   * Errors that the device has reported.
-   */
+  /** Errors that the device has reported. */
   unsigned long errors;
-  /**
-   * Times that the device started anew.
-   */
+  /** Times that the device started anew. */
   unsigned long restarts;
-  /**
-   * Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first.
-   */
+  /** Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first. */
   unsigned long overflows;
-  /**
-   * Acks and answers that did not come in time.
-   */
+  /** Acks and answers that did not come in time. */
   unsigned long timeouts;
-  /**
-   * Commands that were repeated, because of that or because the device has asked for it.
-   */
+  /** Commands that were repeated, because of that or because the device has asked for it. */
   unsigned long repeats;
   /**
    * Number of round trips measured: from a command that was sent once to what came back first. Times in
    * milliseconds.
    */
   unsigned long rtt_count;
-  /**
-   * The last round-trip time.
-   */
+  /** The last round-trip time. */
   unsigned long rtt_last;
-  /**
-   * The shortest round-trip time.
-   */
+  /** The shortest round-trip time. */
   unsigned long rtt_min;
-  /**
-   * The longest round-trip time.
-   */
+  /** The longest round-trip time. */
   unsigned long rtt_max;
-  /**
-   * Sum of the round-trip times: divided by `rtt_count`, their average.
-   */
+  /** Sum of the round-trip times: divided by `rtt_count`, their average. */
   unsigned long rtt_sum;
 };
 
@@ -280,13 +204,9 @@ struct olp_host_health {
  * one command at a time (section "Link Setup command").
  */
 struct olp_host_link {
-  /**
-   * Not 0: the device acknowledges commands.
-   */
+  /** Not 0: the device acknowledges commands. */
   int ack;
-  /**
-   * Not 0: commands have a Fletcher-16 checksum.
-   */
+  /** Not 0: commands have a Fletcher-16 checksum. */
   int checksum;
   /**
    * Number of commands that may be unanswered, 0 to 65535; 0 is as good as 1. No more than `OLP_WINDOW_MAX` ever
@@ -295,254 +215,146 @@ struct olp_host_link {
   unsigned int windowsize;
 };
 
-/**
- * A command that the device may remember. Its fields are private.
- */
+/** A command that the device may remember. Its fields are private. */
 struct olp_host_recent {
   unsigned short sum;
   unsigned char t;
   unsigned char used;
 };
 
-/**
- * The counter of a session. Its fields are private.
- */
+/** The counter of a session. Its fields are private. */
 struct olp_host_counter {
-  /**
-   * Numbers and checksums of the last commands: newer ones take the place of the oldest.
-   */
+  /** Numbers and checksums of the last commands: newer ones take the place of the oldest. */
   struct olp_host_recent recent[64];
-  /**
-   * By how much the number has advanced in all: damaged ones may turn it round more than once.
-   */
+  /** By how much the number has advanced in all: damaged ones may turn it round more than once. */
   unsigned int advanced;
-  /**
-   * Where the next goes.
-   */
+  /** Where the next goes. */
   unsigned char place;
-  /**
-   * The next number.
-   */
+  /** The next number. */
   unsigned char next;
-  /**
-   * Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows.
-   */
+  /** Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows. */
   unsigned char counts;
-  /**
-   * Not 0: a number of the device's is known, from which one can tell that some are missing.
-   */
+  /** Not 0: a number of the device's is known, from which one can tell that some are missing. */
   unsigned char heard;
 };
 
-/**
- * One command. Its fields are private.
- */
+/** One command. Its fields are private. */
 struct olp_host_slot {
-  /**
-   * When it was sent first and last.
-   */
+  /** When it was sent first and last. */
   unsigned long first_at;
   unsigned long sent_at;
-  /**
-   * What the caller knows it by.
-   */
+  /** What the caller knows it by. */
   int handle;
-  /**
-   * Its place in the order in which commands are queued.
-   */
+  /** Its place in the order in which commands are queued. */
   unsigned int order;
-  /**
-   * Places of its first and last line in the order in which lines are sent.
-   */
+  /** Places of its first and last line in the order in which lines are sent. */
   unsigned int first_line;
   unsigned int last_line;
-  /**
-   * By how much the counter had advanced when it was sent first.
-   */
+  /** By how much the counter had advanced when it was sent first. */
   unsigned int mark;
-  /**
-   * Checksum of the line.
-   */
+  /** Checksum of the line. */
   unsigned short sum;
-  /**
-   * How far it is; 0 when there is none.
-   */
+  /** How far it is; 0 when there is none. */
   unsigned char stage;
-  /**
-   * How it ended.
-   */
+  /** How it ended. */
   unsigned char outcome;
-  /**
-   * How often it was sent.
-   */
+  /** How often it was sent. */
   unsigned char sent;
-  /**
-   * The line's number.
-   */
+  /** The line's number. */
   unsigned char t;
-  /**
-   * Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
-   */
+  /** Bits of `ACKED`, `LINKSETUP` and `SUMMED`. */
   unsigned char flags;
-  /**
-   * Lengths of the two parts of the text.
-   */
+  /** Lengths of the two parts of the text. */
   unsigned char command_length;
   unsigned char id_length;
-  /**
-   * Number of older commands that have ended, and may have been carried out after it.
-   */
+  /** Number of older commands that have ended, and may have been carried out after it. */
   unsigned char overtaken;
-  /**
-   * The command as the caller built it, and behind that the id, encoded.
-   */
+  /** The command as the caller built it, and behind that the id, encoded. */
   char text[54];
 };
 
-/**
- * A device. Its texts are decoded and end with a 0; those it did not tell are empty.
- */
+/** A device. Its texts are decoded and end with a 0; those it did not tell are empty. */
 struct olp_host_device {
-  /**
-   * What it is called in messages.
-   */
+  /** What it is called in messages. */
   char id[OLP_HOST_ID_MAX + 1];
-  /**
-   * What it is, e.g. `OzekiSwitchController`.
-   */
+  /** What it is, e.g. `OzekiSwitchController`. */
   char type[OLP_HOST_TYPE_MAX + 1];
-  /**
-   * What its user calls it.
-   */
+  /** What its user calls it. */
   char name[OLP_HOST_NAME_MAX + 1];
-  /**
-   * Its version.
-   */
+  /** Its version. */
   char version[OLP_HOST_VERSION_MAX + 1];
-  /**
-   * Its place among the devices behind the microcontroller; 0 when it did not tell one.
-   */
+  /** Its place among the devices behind the microcontroller; 0 when it did not tell one. */
   int pos;
-  /**
-   * Not 0: its type, name or version is longer than there is room, and was cut off.
-   */
+  /** Not 0: its type, name or version is longer than there is room, and was cut off. */
   int cut;
 };
 
-/**
- * The devices of a session. Its fields are private.
- */
+/** The devices of a session. Its fields are private. */
 struct olp_host_devices {
   struct olp_host_device device[OLP_DEVICES_MAX];
-  /**
-   * Not 0: has signed in since the microcontroller started last.
-   */
+  /** Not 0: has signed in since the microcontroller started last. */
   unsigned char signed_in[OLP_DEVICES_MAX];
   int count;
 };
 
-/**
- * A host session but for what it receives. Its fields are private.
- */
+/** A host session but for what it receives. Its fields are private. */
 struct olp_host_session {
   struct olp_host_settings settings;
   struct olp_host_health health;
-  /**
-   * When bytes were received last.
-   */
+  /** When bytes were received last. */
   unsigned long heard_at;
   struct olp_host_link link;
-  /**
-   * The window that was asked for last: a damaged answer shall not make it larger.
-   */
+  /** The window that was asked for last: a damaged answer shall not make it larger. */
   unsigned int asked;
-  /**
-   * Place in the order and handle of the command queued last.
-   */
+  /** Place in the order and handle of the command queued last. */
   unsigned int order;
   int handle;
-  /**
-   * Number of lines sent.
-   */
+  /** Number of lines sent. */
   unsigned int lines;
-  /**
-   * Handle of the command whose ack was the last line, or 0; and of that which an event is about.
-   */
+  /** Handle of the command whose ack was the last line, or 0; and of that which an event is about. */
   int acked;
   int concerned;
-  /**
-   * What is to be told: bits of `TELL_*`.
-   */
+  /** What is to be told: bits of `TELL_*`. */
   int tell;
-  /**
-   * The length of the line that was received, -1 of one that was too long, 0 when there is none.
-   */
+  /** The length of the line that was received, -1 of one that was too long, 0 when there is none. */
   int held;
-  /**
-   * How and where the device that has signed in is listed.
-   */
+  /** How and where the device that has signed in is listed. */
   int listed_at;
   unsigned char listed;
-  /**
-   * Number of messages lost.
-   */
+  /** Number of messages lost. */
   unsigned char lost;
-  /**
-   * Not 0: all that the line means has been concluded.
-   */
+  /** Not 0: all that the line means has been concluded. */
   unsigned char understood;
-  /**
-   * Not 0: not all bytes were taken, so that it is too early to look at the time.
-   */
+  /** Not 0: not all bytes were taken, so that it is too early to look at the time. */
   unsigned char partial;
-  /**
-   * Not 0: the device has just told what is in force.
-   */
+  /** Not 0: the device has just told what is in force. */
   unsigned char own_setup;
   struct olp_host_counter counter;
   struct olp_host_slot slots[OLP_WINDOW_MAX];
   struct olp_host_devices devices;
 };
 
-/**
- * A host session. Its fields are private; all zero is a new session with default settings.
- */
+/** A host session. Its fields are private; all zero is a new session with default settings. */
 struct olp_host {
   struct olp_receiver receiver;
   struct olp_host_session session;
 };
 
-/**
- * Something that happened.
- */
+/** Something that happened. */
 struct olp_host_event {
-  /**
-   * What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`.
-   */
+  /** What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`. */
   int kind;
-  /**
-   * Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others.
-   */
+  /** Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others. */
   int handle;
-  /**
-   * Of `OLP_HOST_ENDED`, one of `OLP_HOST_ANSWERED` to `OLP_HOST_NOT_SENT`; 0 of others.
-   */
+  /** Of `OLP_HOST_ENDED`, one of `OLP_HOST_ANSWERED` to `OLP_HOST_NOT_SENT`; 0 of others. */
   int outcome;
-  /**
-   * Of `OLP_HOST_WELCOME`, the place in the table; -1 of others.
-   */
+  /** Of `OLP_HOST_WELCOME`, the place in the table; -1 of others. */
   int device;
-  /**
-   * Of `OLP_HOST_WELCOME` and `OLP_HOST_DROPPED`, one of `OLP_RC_*`; 0 of others.
-   */
+  /** Of `OLP_HOST_WELCOME` and `OLP_HOST_DROPPED`, one of `OLP_RC_*`; 0 of others. */
   int error;
-  /**
-   * Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others.
-   */
+  /** Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others. */
   int lost;
-  /**
-   * What is in force on the link.
-   */
+  /** What is in force on the link. */
   struct olp_host_link link;
   /**
    * The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
@@ -586,12 +398,8 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  *     puts("first, events have to be fetched");
  * ```
  */
-int olp_host_setup(struct olp_host *host,
-                   const char *id,
-                   int ack,
-                   int checksum,
-                   long windowsize)
-OLP_SIZED("olp_host_setup");
+int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)
+    OLP_SIZED("olp_host_setup");
 
 /**
  * Queues a command for the device id, a string that is encoded as needed.
@@ -617,11 +425,7 @@ OLP_SIZED("olp_host_setup");
  *     puts("first, events have to be fetched");
  * ```
  */
-int olp_host_send(struct olp_host *host,
-                  const char *command,
-                  int length,
-                  const char *id)
-OLP_SIZED("olp_host_send");
+int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED("olp_host_send");
 
 /**
  * Takes received bytes, up to the end of a line; `now_ms` is when they came.
@@ -636,11 +440,8 @@ OLP_SIZED("olp_host_send");
  *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
  */
-int olp_host_receive(struct olp_host *host,
-                     const void *buf,
-                     int bytes,
-                     unsigned long now_ms)
-OLP_SIZED("olp_host_receive");
+int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
+    OLP_SIZED("olp_host_receive");
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
@@ -659,10 +460,7 @@ OLP_SIZED("olp_host_receive");
  *         printf("command %d: outcome %d\n", event.handle, event.outcome);
  * ```
  */
-int olp_host_poll(struct olp_host *host,
-                  unsigned long now_ms,
-                  struct olp_host_event *event)
-OLP_SIZED("olp_host_poll");
+int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED("olp_host_poll");
 
 /**
  * Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
@@ -678,11 +476,7 @@ OLP_SIZED("olp_host_poll");
  *     uart_write(&uart, out, length);
  * ```
  */
-int olp_host_output(struct olp_host *host,
-                    void *buf,
-                    int cap,
-                    unsigned long now_ms)
-OLP_SIZED("olp_host_output");
+int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED("olp_host_output");
 
 /**
  * How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
@@ -694,9 +488,7 @@ OLP_SIZED("olp_host_output");
  * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
  * ```
  */
-long olp_host_next_deadline(const struct olp_host *host,
-                            unsigned long now_ms)
-OLP_SIZED("olp_host_next_deadline");
+long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED("olp_host_next_deadline");
 
 /**
  * What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
@@ -710,9 +502,7 @@ OLP_SIZED("olp_host_next_deadline");
  *     puts("lines have checksums");
  * ```
  */
-int olp_host_get_link(const struct olp_host *host,
-                      struct olp_host_link *link)
-OLP_SIZED("olp_host_get_link");
+int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
  * Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
@@ -727,10 +517,8 @@ OLP_SIZED("olp_host_get_link");
  *     printf("%s: %s\n", device.id, device.type);
  * ```
  */
-int olp_host_get_device(const struct olp_host *host,
-                        int index,
-                        struct olp_host_device *device)
-OLP_SIZED("olp_host_get_device");
+int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_device *device)
+    OLP_SIZED("olp_host_get_device");
 
 /**
  * How the link does.
@@ -743,9 +531,7 @@ OLP_SIZED("olp_host_get_device");
  *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
  * ```
  */
-const struct olp_host_health *olp_host_get_health(const struct olp_host *host)
-OLP_SIZED("olp_host_get_health");
-
+const struct olp_host_health *olp_host_get_health(const struct olp_host *host) OLP_SIZED("olp_host_get_health");
 
 #ifdef __cplusplus
 }

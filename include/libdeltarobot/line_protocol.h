@@ -2,16 +2,6 @@
  * @file
  * libdeltarobot/line_protocol.h: lines of the Ozeki line protocol: checksum, reading, building, receiving.
  *
- * Generated from src/line_protocol.rs for these sizes: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- *
  * Reading:
  *
  * ```c
@@ -38,90 +28,35 @@
  * if ((length = olp_finish(&encoder, 1)) > 0)
  *     uart_write(&uart, text, length);
  * ```
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/line_protocol.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_LINE_PROTOCOL_H
 #define LIBDELTAROBOT_LINE_PROTOCOL_H
 
+#include "abi.h"
 
-/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */
-#if defined(OLP_LINE_MAX) && (OLP_LINE_MAX) != 255
-#error "libdeltarobot was built with OLP_LINE_MAX=255: build it again with the size that this program defines"
-#endif
-#if defined(OLP_WINDOW_MAX) && (OLP_WINDOW_MAX) != 8
-#error "libdeltarobot was built with OLP_WINDOW_MAX=8: build it again with the size that this program defines"
-#endif
-#if defined(OLP_REPLY_MAX) && (OLP_REPLY_MAX) != 128
-#error "libdeltarobot was built with OLP_REPLY_MAX=128: build it again with the size that this program defines"
-#endif
-#if defined(OLP_DEVICES_MAX) && (OLP_DEVICES_MAX) != 16
-#error "libdeltarobot was built with OLP_DEVICES_MAX=16: build it again with the size that this program defines"
-#endif
-/** Longest line that is received, in bytes without its end: 63, a command, or more; a host needs 80. By default 255. */
-#ifndef OLP_LINE_MAX
-#define OLP_LINE_MAX 255
-#endif
-/** Most commands unanswered at a time: the host keeps them to repeat them, a device keeps its answers. By default 8. */
-#ifndef OLP_WINDOW_MAX
-#define OLP_WINDOW_MAX 8
-#endif
-/** Longest line that a device sends, in bytes with its end: 64 to 255. By default 128. */
-#ifndef OLP_REPLY_MAX
-#define OLP_REPLY_MAX 128
-#endif
-/** Devices that a host knows at a time. By default 16. */
-#ifndef OLP_DEVICES_MAX
-#define OLP_DEVICES_MAX 16
-#endif
+LIBDELTAROBOT_NOT_PACKED(line_protocol);
 
-/*
- * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
- * of other sizes. The plain names are there for programs compiled without it.
- */
-#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
-#define OLP_SIZED_STR_(text) #text
-#define OLP_SIZED_STR(text) OLP_SIZED_STR_(text)
-#ifdef __USER_LABEL_PREFIX__
-#define OLP_SIZED(name) __asm__(OLP_SIZED_STR(__USER_LABEL_PREFIX__) name "_255_8_128_16")
-#else
-#define OLP_SIZED(name) __asm__(name "_255_8_128_16")
-#endif
-#else
-#define OLP_SIZED(name)
-#define OLP_SIZED_BY_MACRO
-#endif
-#ifdef OLP_SIZED_BY_MACRO
-#define olp_receiver_init olp_receiver_init_255_8_128_16
-#define olp_receive olp_receive_255_8_128_16
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define olp_receiver_init OLP_SIZED_NAME(olp_receiver_init)
+#define olp_receive OLP_SIZED_NAME(olp_receive)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * The operation completed.
- */
+/** The operation completed. */
 #define OLP_RC_SUCCESS 0
-
-/**
- * A NULL pointer or an argument out of range: nothing was done.
- */
+/** A NULL pointer or an argument out of range: nothing was done. */
 #define OLP_RC_ERROR_GENERIC 1
-
-/**
- * There is no room.
- */
+/** There is no room. */
 #define OLP_RC_OVERFLOW 3
-
-/**
- * Not now: something else has to end first.
- */
+/** Not now: something else has to end first. */
 #define OLP_RC_BUSY 5
-
-/**
- * Nothing has happened.
- */
+/** Nothing has happened. */
 #define OLP_RC_NO_EVENT 6
 
 /**
@@ -130,90 +65,50 @@ extern "C" {
  */
 #define OLP_RC_MALFORMED 8
 
-/**
- * A line is longer than may be sent, or does not fit the buffer.
- */
+/** A line is longer than may be sent, or does not fit the buffer. */
 #define OLP_RC_TOO_LONG 9
-
-/**
- * A number is beyond what its type holds.
- */
+/** A number is beyond what its type holds. */
 #define OLP_RC_RANGE 10
-
-/**
- * There is no such parameter.
- */
+/** There is no such parameter. */
 #define OLP_RC_NOT_FOUND 11
-
-/**
- * The first parameter of a line is not `c`, or there is none.
- */
+/** The first parameter of a line is not `c`, or there is none. */
 #define OLP_RC_NO_COMMAND 12
-
-/**
- * A name is not of `[a-z0-9]`; a command's may also have `_`.
- */
+/** A name is not of `[a-z0-9]`; a command's may also have `_`. */
 #define OLP_RC_NAME 13
-
-/**
- * Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer.
- */
+/** Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer. */
 #define OLP_COMMAND_MAX 64
-
-/**
- * Most decimals that a float is written with.
- */
+/** Most decimals that a float is written with. */
 #define OLP_DECIMALS_MAX 9
-
-/**
- * The line has no checksum.
- */
+/** The line has no checksum. */
 #define OLP_CHECKSUM_NONE 0
-
-/**
- * The line has the right checksum.
- */
+/** The line has the right checksum. */
 #define OLP_CHECKSUM_RIGHT 1
-
-/**
- * The line has a checksum, and it is wrong: some of the line is not what was sent.
- */
+/** The line has a checksum, and it is wrong: some of the line is not what was sent. */
 #define OLP_CHECKSUM_WRONG 2
-
-/**
- * No line has ended yet.
- */
+/** No line has ended yet. */
 #define OLP_LINE_NONE 0
-
-/**
- * A line was received.
- */
+/** A line was received. */
 #define OLP_LINE_COMPLETE 1
-
-/**
- * A line longer than `OLP_LINE_MAX` has ended, and is lost.
- */
+/** A line longer than `OLP_LINE_MAX` has ended, and is lost. */
 #define OLP_LINE_OVERLONG 2
 
-/**
- * A line that was read: a view of the text that `olp_parse` was given, which must stay where it is meanwhile.
- */
-struct olp_message {
-  /**
-   * The line.
-   */
-  const char *line;
-  /**
-   * Number of bytes of it, without its end.
-   */
+/** A line that is being built. Its fields are private. */
+struct olp_encoder {
+  char *buf;
+  int cap;
   int length;
-  /**
-   * Number of parameters, the command and a checksum counted.
-   */
+  int error;
+};
+
+/** A line that was read: a view of the text that `olp_parse` was given, which must stay where it is meanwhile. */
+struct olp_message {
+  /** The line. */
+  const char *line;
+  /** Number of bytes of it, without its end. */
+  int length;
+  /** Number of parameters, the command and a checksum counted. */
   int count;
-  /**
-   * One of `OLP_CHECKSUM_*`.
-   */
+  /** One of `OLP_CHECKSUM_*`. */
   int checksum;
   /**
    * The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
@@ -221,36 +116,16 @@ struct olp_message {
   unsigned int sum;
 };
 
-/**
- * A parameter: a view of the line that it stands in. Neither text ends with a zero byte.
- */
+/** A parameter: a view of the line that it stands in. Neither text ends with a zero byte. */
 struct olp_param {
-  /**
-   * The name.
-   */
+  /** The name. */
   const char *name;
-  /**
-   * Number of bytes of it.
-   */
+  /** Number of bytes of it. */
   int name_length;
-  /**
-   * The value as it was received, encoded: `olp_value_string` decodes it.
-   */
+  /** The value as it was received, encoded: `olp_value_string` decodes it. */
   const char *value;
-  /**
-   * Number of bytes of it.
-   */
+  /** Number of bytes of it. */
   int value_length;
-};
-
-/**
- * A line that is being built. Its fields are private.
- */
-struct olp_encoder {
-  char *buf;
-  int cap;
-  int length;
-  int error;
 };
 
 /**
@@ -262,46 +137,30 @@ struct olp_encoder {
  * The fields are never trusted: no contents do any harm.
  */
 struct olp_assembly {
-  /**
-   * Number of bytes of the line that are in the storage.
-   */
+  /** Number of bytes of the line that are in the storage. */
   int used;
-  /**
-   * Whether the line was too long.
-   */
+  /** Whether the line was too long. */
   int overlong;
 };
 
-/**
- * A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one.
- */
+/** A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one. */
 struct olp_receiver {
-  /**
-   * How far a line has been received.
-   */
+  /** How far a line has been received. */
   struct olp_assembly assembly;
-  /**
-   * The line, with room for a CR.
-   */
+  /** The line, with room for a CR. */
   char line[OLP_LINE_MAX + 1];
 };
 
-/**
- * What `olp_receive` found.
- */
+/** What `olp_receive` found. */
 struct olp_line {
-  /**
-   * One of `OLP_LINE_*`.
-   */
+  /** One of `OLP_LINE_*`. */
   int kind;
   /**
    * The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
    * next call.
    */
   const char *text;
-  /**
-   * Number of bytes of it; 0 when there is none.
-   */
+  /** Number of bytes of it; 0 when there is none. */
   int length;
 };
 
@@ -316,8 +175,7 @@ struct olp_line {
  * printf("%04x\n", sum);
  * ```
  */
-unsigned int olp_fletcher16(const void *bytes,
-                            int length);
+unsigned int olp_fletcher16(const void *bytes, int length);
 
 /**
  * The checksum of bytes whose beginning was summed up before: sum is what this function or `olp_fletcher16` returned
@@ -331,9 +189,139 @@ unsigned int olp_fletcher16(const void *bytes,
  *     sum = olp_fletcher16_more(sum, in, got);
  * ```
  */
-unsigned int olp_fletcher16_more(unsigned int sum,
-                                 const void *bytes,
-                                 int length);
+unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
+
+/**
+ * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+ *
+ * `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
+ * return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
+ *
+ * buf stays there until the line is finished; command is NULL or a string.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
+ * when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
+ *
+ * ```c
+ * char text[OLP_REPLY_MAX];
+ * olp_begin(&encoder, text, sizeof text, "heaterinfo");
+ * olp_add_float(&encoder, "temp", 21.5f, 2);
+ * length = olp_finish(&encoder, 1);
+ * ```
+ */
+int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *command);
+
+/**
+ * Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
+ * buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
+ * need have to be left out.
+ *
+ * Returns what `olp_begin` does.
+ *
+ * ```c
+ * char text[OLP_COMMAND_MAX];
+ * olp_begin_command(&encoder, text, sizeof text, "setswitch");
+ * olp_add_int(&encoder, "state", 1);
+ * length = olp_finish(&encoder, 1);
+ * ```
+ */
+int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const char *command);
+
+/**
+ * Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
+ *
+ * encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
+ * with a zero byte.
+ *
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
+ * when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
+ * returned.
+ *
+ * ```c
+ * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
+ *     puts("no room for a name");
+ * ```
+ */
+int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
+
+/**
+ * Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
+ *
+ * text is NULL or points to that many bytes.
+ *
+ * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+ *
+ * ```c
+ * olp_add_bytes(&encoder, "serial", in, 4);
+ * ```
+ */
+int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
+
+/**
+ * Adds a value that is encoded already, such as one of a received line: unchanged.
+ *
+ * Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
+ * without its two digits.
+ *
+ * ```c
+ * if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
+ *     olp_add_raw(&encoder, "t", param.value, param.value_length);
+ * ```
+ */
+int olp_add_raw(struct olp_encoder *encoder, const char *name, const char *value, int length);
+
+/**
+ * Adds an integer, in decimal.
+ *
+ * Returns what `olp_add_string` does.
+ *
+ * ```c
+ * olp_add_int(&encoder, "state", 1);
+ * ```
+ */
+int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
+
+/**
+ * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
+ * the even digit when two are.
+ *
+ * Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
+ * `OLP_DECIMALS_MAX`.
+ *
+ * ```c
+ * olp_add_float(&encoder, "temp", 21.5f, 2);
+ * ```
+ */
+int olp_add_float(struct olp_encoder *encoder, const char *name, float value, int decimals);
+
+/**
+ * Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
+ *
+ * Returns what `olp_add_string` does.
+ *
+ * ```c
+ * olp_begin(&encoder, text, sizeof text, "ack");
+ * olp_add_hex(&encoder, "checksum", message.sum);
+ * length = olp_finish(&encoder, 0);
+ * ```
+ */
+int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
+
+/**
+ * Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
+ * zero byte stands behind it where the buffer has room for one.
+ *
+ * Returns the length of the line, its line feed counted; minus what the first call for this line returned that failed,
+ * or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is zero
+ * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
+ *
+ * ```c
+ * int length = olp_finish(&encoder, 1);
+ * if (length > 0)
+ *     uart_write(&uart, text, length);
+ * ```
+ */
+int olp_finish(struct olp_encoder *encoder, int checksum);
 
 /**
  * Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
@@ -350,9 +338,7 @@ unsigned int olp_fletcher16_more(unsigned int sum,
  *     handle_message(&message);
  * ```
  */
-int olp_parse(const char *line,
-              int length,
-              struct olp_message *message);
+int olp_parse(const char *line, int length, struct olp_message *message);
 
 /**
  * Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
@@ -368,9 +354,7 @@ int olp_parse(const char *line,
  *     printf("%.*s\n", param.name_length, param.name);
  * ```
  */
-int olp_param_at(const struct olp_message *message,
-                 int index,
-                 struct olp_param *param);
+int olp_param_at(const struct olp_message *message, int index, struct olp_param *param);
 
 /**
  * Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
@@ -386,10 +370,39 @@ int olp_param_at(const struct olp_message *message,
  *     printf("from %.*s\n", id.value_length, id.value);
  * ```
  */
-int olp_find(const struct olp_message *message,
-             const char *name,
-             int occurrence,
-             struct olp_param *param);
+int olp_find(const struct olp_message *message, const char *name, int occurrence, struct olp_param *param);
+
+/**
+ * Makes a receiver empty. All zero it is so, too.
+ *
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+ *
+ * ```c
+ * struct olp_receiver receiver;
+ * olp_receiver_init(&receiver);
+ * ```
+ */
+int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
+
+/**
+ * Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
+ * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
+ * has come.
+ *
+ * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
+ * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
+ *
+ * ```c
+ * int got = uart_read(&uart, in, sizeof in);
+ * for (int taken = 0; taken < got;) {
+ *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
+ *     if (line.kind == OLP_LINE_COMPLETE)
+ *         puts(line.text);
+ * }
+ * ```
+ */
+int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
+    OLP_SIZED("olp_receive");
 
 /**
  * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
@@ -405,8 +418,7 @@ int olp_find(const struct olp_message *message,
  *     printf("state %ld\n", state);
  * ```
  */
-int olp_value_int(const struct olp_param *param,
-                  long *value);
+int olp_value_int(const struct olp_param *param, long *value);
 
 /**
  * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
@@ -420,8 +432,7 @@ int olp_value_int(const struct olp_param *param,
  *     printf("%.2f degrees\n", (double)temperature);
  * ```
  */
-int olp_value_float(const struct olp_param *param,
-                    float *value);
+int olp_value_float(const struct olp_param *param, float *value);
 
 /**
  * Decodes a parameter's value to buf, and writes a zero byte behind it. There may be others in it.
@@ -436,9 +447,7 @@ int olp_value_float(const struct olp_param *param,
  *     puts(name);
  * ```
  */
-int olp_value_string(const struct olp_param *param,
-                     char *buf,
-                     int cap);
+int olp_value_string(const struct olp_param *param, char *buf, int cap);
 
 /**
  * Whether a parameter's decoded value is that text.
@@ -504,189 +513,6 @@ int olp_get_string(const struct olp_message *message, const char *name, int occu
  * ```
  */
 int olp_is(const struct olp_message *message, const char *name, int occurrence, const char *text);
-
-/**
- * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
- *
- * `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
- * return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
- *
- * buf stays there until the line is finished; command is NULL or a string.
- *
- * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
- * when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
- *
- * ```c
- * char text[OLP_REPLY_MAX];
- * olp_begin(&encoder, text, sizeof text, "heaterinfo");
- * olp_add_float(&encoder, "temp", 21.5f, 2);
- * length = olp_finish(&encoder, 1);
- * ```
- */
-int olp_begin(struct olp_encoder *encoder,
-              char *buf,
-              int cap,
-              const char *command);
-
-/**
- * Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
- * buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
- * need have to be left out.
- *
- * Returns what `olp_begin` does.
- *
- * ```c
- * char text[OLP_COMMAND_MAX];
- * olp_begin_command(&encoder, text, sizeof text, "setswitch");
- * olp_add_int(&encoder, "state", 1);
- * length = olp_finish(&encoder, 1);
- * ```
- */
-int olp_begin_command(struct olp_encoder *encoder,
-                      char *buf,
-                      int cap,
-                      const char *command);
-
-/**
- * Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
- *
- * encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
- * with a zero byte.
- *
- * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
- * when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
- * returned.
- *
- * ```c
- * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
- *     puts("no room for a name");
- * ```
- */
-int olp_add_string(struct olp_encoder *encoder,
-                   const char *name,
-                   const char *text);
-
-/**
- * Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
- *
- * text is NULL or points to that many bytes.
- *
- * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
- *
- * ```c
- * olp_add_bytes(&encoder, "serial", in, 4);
- * ```
- */
-int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
-
-/**
- * Adds a value that is encoded already, such as one of a received line: unchanged.
- *
- * Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
- * without its two digits.
- *
- * ```c
- * if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
- *     olp_add_raw(&encoder, "t", param.value, param.value_length);
- * ```
- */
-int olp_add_raw(struct olp_encoder *encoder,
-                const char *name,
-                const char *value,
-                int length);
-
-/**
- * Adds an integer, in decimal.
- *
- * Returns what `olp_add_string` does.
- *
- * ```c
- * olp_add_int(&encoder, "state", 1);
- * ```
- */
-int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
-
-/**
- * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
- * the even digit when two are.
- *
- * Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
- * `OLP_DECIMALS_MAX`.
- *
- * ```c
- * olp_add_float(&encoder, "temp", 21.5f, 2);
- * ```
- */
-int olp_add_float(struct olp_encoder *encoder,
-                  const char *name,
-                  float value,
-                  int decimals);
-
-/**
- * Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
- *
- * Returns what `olp_add_string` does.
- *
- * ```c
- * olp_begin(&encoder, text, sizeof text, "ack");
- * olp_add_hex(&encoder, "checksum", message.sum);
- * length = olp_finish(&encoder, 0);
- * ```
- */
-int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
-
-/**
- * Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
- * zero byte stands behind it where the buffer has room for one.
- *
- * Returns the length of the line, its line feed counted; minus what the first call for this line returned that failed,
- * or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is zero
- * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
- *
- * ```c
- * int length = olp_finish(&encoder, 1);
- * if (length > 0)
- *     uart_write(&uart, text, length);
- * ```
- */
-int olp_finish(struct olp_encoder *encoder,
-               int checksum);
-
-/**
- * Makes a receiver empty. All zero it is so, too.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
- *
- * ```c
- * struct olp_receiver receiver;
- * olp_receiver_init(&receiver);
- * ```
- */
-int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
-
-/**
- * Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
- * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
- * has come.
- *
- * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
- * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
- *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got;) {
- *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
- *     if (line.kind == OLP_LINE_COMPLETE)
- *         puts(line.text);
- * }
- * ```
- */
-int olp_receive(struct olp_receiver *receiver,
-                const void *buf,
-                int bytes,
-                struct olp_line *line)
-OLP_SIZED("olp_receive");
-
 
 #ifdef __cplusplus
 }

@@ -2,39 +2,33 @@
  * @file
  * libdeltarobot/payload.h: building, reading and printing the messages of the specification.
  *
- * Generated from src/payload.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/payload.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_PAYLOAD_H
 #define LIBDELTAROBOT_PAYLOAD_H
 
+#include "abi.h"
+#include "protocol.h"
 
-#include "libdeltarobot/protocol.h"
+LIBDELTAROBOT_NOT_PACKED(payload);
 
-#ifdef DP_SIZED_BY_MACRO
-#define dp_build dp_build_128_32
-#define dp_build_ack dp_build_ack_128_32
-#define dp_build_nack dp_build_nack_128_32
-#define dp_build_move dp_build_move_128_32
-#define dp_build_status_report dp_build_status_report_128_32
-#define dp_msg_check dp_msg_check_128_32
-#define dp_read_answer dp_read_answer_128_32
-#define dp_read_move dp_read_move_128_32
-#define dp_read_status_report dp_read_status_report_128_32
-#define dp_msg_format dp_msg_format_128_32
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define dp_build DP_SIZED_NAME(dp_build)
+#define dp_build_ack DP_SIZED_NAME(dp_build_ack)
+#define dp_build_nack DP_SIZED_NAME(dp_build_nack)
+#define dp_build_move DP_SIZED_NAME(dp_build_move)
+#define dp_build_status_report DP_SIZED_NAME(dp_build_status_report)
+#define dp_msg_check DP_SIZED_NAME(dp_msg_check)
+#define dp_read_answer DP_SIZED_NAME(dp_read_answer)
+#define dp_read_move DP_SIZED_NAME(dp_read_move)
+#define dp_read_status_report DP_SIZED_NAME(dp_read_status_report)
+#define dp_msg_format DP_SIZED_NAME(dp_msg_format)
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
 
 /**
  * Reading a status report: one of more than 13 bytes has the floats first. One of 13 bytes has STAT first, unless the
@@ -43,9 +37,7 @@ extern "C" {
  */
 #define DP_LAYOUT_AUTO 0
 
-/**
- * Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
- */
+/** Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes. */
 #define DP_LAYOUT_SPEC 1
 
 /**
@@ -54,9 +46,7 @@ extern "C" {
  */
 #define DP_LAYOUT_FIRMWARE 2
 
-/**
- * Size of a buffer that the text of any message fits in.
- */
+/** Size of a buffer that the text of any message fits in. */
 #define DP_MSG_TEXT_MAX 96
 
 /**
@@ -72,9 +62,7 @@ extern "C" {
  *     dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_build(struct protocol_msg *msg,
-             unsigned char opcode)
-DP_SIZED("dp_build");
+int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build");
 
 /**
  * Builds an acknowledgement of the request with the opcode answered, which is not checked.
@@ -114,9 +102,7 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp
  *     dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_build_move(struct protocol_msg *msg,
-                  const struct protocol_msg_position *target)
-DP_SIZED("dp_build_move");
+int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED("dp_build_move");
 
 /**
  * Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
@@ -131,10 +117,8 @@ DP_SIZED("dp_build_move");
  *     dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_build_status_report(struct protocol_msg *msg,
-                           const struct protocol_msg_status_report *report,
-                           int layout)
-DP_SIZED("dp_build_status_report");
+int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_status_report *report, int layout)
+    DP_SIZED("dp_build_status_report");
 
 /**
  * Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
@@ -147,8 +131,7 @@ DP_SIZED("dp_build_status_report");
  *         handle(&msg);
  * ```
  */
-int dp_msg_check(const struct protocol_msg *msg)
-DP_SIZED("dp_msg_check");
+int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 
 /**
  * Reads from an ack or a nack which opcode it answers.
@@ -162,9 +145,7 @@ DP_SIZED("dp_msg_check");
  *     printf("refused: %s\n", dp_opcode_name(answered));
  * ```
  */
-int dp_read_answer(const struct protocol_msg *msg,
-                   unsigned char *answered)
-DP_SIZED("dp_read_answer");
+int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED("dp_read_answer");
 
 /**
  * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
@@ -178,9 +159,7 @@ DP_SIZED("dp_read_answer");
  *     motors_move(target.DA, target.DB, target.DC);
  * ```
  */
-int dp_read_move(const struct protocol_msg *msg,
-                 struct protocol_msg_position *target)
-DP_SIZED("dp_read_move");
+int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *target) DP_SIZED("dp_read_move");
 
 /**
  * Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
@@ -195,10 +174,8 @@ DP_SIZED("dp_read_move");
  *     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
  * ```
  */
-int dp_read_status_report(const struct protocol_msg *msg,
-                          int layout,
-                          struct protocol_msg_status_report *report)
-DP_SIZED("dp_read_status_report");
+int dp_read_status_report(const struct protocol_msg *msg, int layout, struct protocol_msg_status_report *report)
+    DP_SIZED("dp_read_status_report");
 
 /**
  * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
@@ -229,11 +206,7 @@ const char *dp_opcode_name(unsigned char opcode);
  *     puts(text);
  * ```
  */
-int dp_msg_format(const struct protocol_msg *msg,
-                  char *buf,
-                  int cap)
-DP_SIZED("dp_msg_format");
-
+int dp_msg_format(const struct protocol_msg *msg, char *buf, int cap) DP_SIZED("dp_msg_format");
 
 #ifdef __cplusplus
 }

@@ -2,56 +2,20 @@
  * @file
  * libdeltarobot/protocol.h: frames of the deltarobot message format, specification v1.0.
  *
- * Generated from src/protocol.rs for these sizes: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/protocol.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_PROTOCOL_H
 #define LIBDELTAROBOT_PROTOCOL_H
 
+#include "abi.h"
 
-/* Sizes the library was built for. They are part of the structs' layout, so no program can choose its own. */
-#if defined(DP_BUFSIZE) && (DP_BUFSIZE) != 128
-#error "libdeltarobot was built with DP_BUFSIZE=128: build it again with the size that this program defines"
-#endif
-#if defined(DP_DATA_MAX_SIZE) && (DP_DATA_MAX_SIZE) != 32
-#error "libdeltarobot was built with DP_DATA_MAX_SIZE=32: build it again with the size that this program defines"
-#endif
-/** Bytes that a ring holds. By default 128. */
-#ifndef DP_BUFSIZE
-#define DP_BUFSIZE 128
-#endif
-/** Longest payload of a frame in bytes, 1 to 255. By default 32. */
-#ifndef DP_DATA_MAX_SIZE
-#define DP_DATA_MAX_SIZE 32
-#endif
+LIBDELTAROBOT_NOT_PACKED(protocol);
 
-/*
- * The sizes are part of the symbols' names too: a program compiled with this header does not link with a library
- * of other sizes. The plain names are there for programs compiled without it.
- */
-#if defined(__GNUC__) || defined(__clang__) || defined(__TINYC__)
-#define DP_SIZED_STR_(text) #text
-#define DP_SIZED_STR(text) DP_SIZED_STR_(text)
-#ifdef __USER_LABEL_PREFIX__
-#define DP_SIZED(name) __asm__(DP_SIZED_STR(__USER_LABEL_PREFIX__) name "_128_32")
-#else
-#define DP_SIZED(name) __asm__(name "_128_32")
-#endif
-#else
-#define DP_SIZED(name)
-#define DP_SIZED_BY_MACRO
-#endif
-#ifdef DP_SIZED_BY_MACRO
-#define dp_process dp_process_128_32
-#define dp_recv dp_recv_128_32
-#define dp_send dp_send_128_32
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define dp_process DP_SIZED_NAME(dp_process)
+#define dp_recv DP_SIZED_NAME(dp_recv)
+#define dp_send DP_SIZED_NAME(dp_send)
 #endif
 
 /** First byte of every frame. */
@@ -93,85 +57,37 @@
 extern "C" {
 #endif
 
-
-/**
- * The operation completed.
- */
+/** The operation completed. */
 #define DP_RC_SUCCESS 0
-
-/**
- * A NULL pointer or a size out of range: nothing was done.
- */
+/** A NULL pointer or a size out of range: nothing was done. */
 #define DP_RC_ERROR_GENERIC 1
-
-/**
- * No frame is complete yet.
- */
+/** No frame is complete yet. */
 #define DP_RC_NO_FRAME 2
-
-/**
- * The ring was too full: its oldest bytes, or bytes that it can't hold at all, were lost.
- */
+/** The ring was too full: its oldest bytes, or bytes that it can't hold at all, were lost. */
 #define DP_RC_OVERFLOW 3
-
-/**
- * Bytes that can't be part of a frame were thrown away, and no frame is complete yet.
- */
+/** Bytes that can't be part of a frame were thrown away, and no frame is complete yet. */
 #define DP_RC_GARBAGE 4
-
-/**
- * State of the platform: idle.
- */
+/** State of the platform: idle. */
 #define DP_STATUS_IDLE 0
-
-/**
- * State of the platform: homing.
- */
+/** State of the platform: homing. */
 #define DP_STATUS_HOMING 1
-
-/**
- * State of the platform: moving.
- */
+/** State of the platform: moving. */
 #define DP_STATUS_MOVING 2
-
-/**
- * State of the platform: at error.
- */
+/** State of the platform: at error. */
 #define DP_STATUS_ERROR 3
-
-/**
- * The bits of STAT that hold the state.
- */
+/** The bits of STAT that hold the state. */
 #define DP_BIT_STAT_STATUS_BITS 3
-
-/**
- * STAT's state bits: idle.
- */
+/** STAT's state bits: idle. */
 #define DP_BIT_STAT_STATUS_IDLE 0
-
-/**
- * STAT's state bits: homing.
- */
+/** STAT's state bits: homing. */
 #define DP_BIT_STAT_STATUS_HOMING 1
-
-/**
- * STAT's state bits: moving.
- */
+/** STAT's state bits: moving. */
 #define DP_BIT_STAT_STATUS_MOVING 2
-
-/**
- * STAT's state bits: at error.
- */
+/** STAT's state bits: at error. */
 #define DP_BIT_STAT_STATUS_ERROR 3
-
-/**
- * An end stop's bit, shifted down: pressed.
- */
+/** An end stop's bit, shifted down: pressed. */
 #define DP_BIT_STAT_STOP_PRESSED 1
-
-/**
- * An end stop's bit, shifted down: not pressed.
- */
+/** An end stop's bit, shifted down: not pressed. */
 #define DP_BIT_STAT_STOP_CLEAR 0
 
 /**
@@ -181,39 +97,23 @@ extern "C" {
  * empty, so an uninitialised one does no harm.
  */
 struct protocol_data {
-  /**
-   * Storage of the ring.
-   */
+  /** Storage of the ring. */
   char m_buf[DP_BUFSIZE];
-  /**
-   * Where the first unread byte is, 0 to `DP_BUFSIZE` - 1.
-   */
+  /** Where the first unread byte is, 0 to `DP_BUFSIZE` - 1. */
   int m_idx;
-  /**
-   * Number of unread bytes, 0 to `DP_BUFSIZE`.
-   */
+  /** Number of unread bytes, 0 to `DP_BUFSIZE`. */
   int m_sz;
 };
 
-/**
- * One message: what a frame carries.
- */
+/** One message: what a frame carries. */
 struct protocol_msg {
-  /**
-   * What the message is, one of `DP_OPCODE_*`; 0xFF after a call that received none.
-   */
+  /** What the message is, one of `DP_OPCODE_*`; 0xFF after a call that received none. */
   unsigned char opcode;
-  /**
-   * Number of bytes in data, 0 to `DP_DATA_MAX_SIZE`.
-   */
+  /** Number of bytes in data, 0 to `DP_DATA_MAX_SIZE`. */
   int data_s;
-  /**
-   * The payload. Receiving leaves the bytes from `data_s` on as they are.
-   */
+  /** The payload. Receiving leaves the bytes from `data_s` on as they are. */
   char data[DP_DATA_MAX_SIZE];
-  /**
-   * 1 in a received message. Ignored when sending.
-   */
+  /** 1 in a received message. Ignored when sending. */
   int checksum_ok;
 };
 
@@ -235,39 +135,23 @@ typedef int (*send_func_t)(void *buf, int bytes, void *usr);
  * Displacements are in the firmware's own unit: the specification names none.
  */
 struct protocol_msg_status_report {
-  /**
-   * Displacement of arm A; a NaN when unknown.
-   */
+  /** Displacement of arm A; a NaN when unknown. */
   float DA;
-  /**
-   * Displacement of arm B; a NaN when unknown.
-   */
+  /** Displacement of arm B; a NaN when unknown. */
   float DB;
-  /**
-   * Displacement of arm C; a NaN when unknown.
-   */
+  /** Displacement of arm C; a NaN when unknown. */
   float DC;
-  /**
-   * State and end stops, see `DP_BIT_STAT_*`.
-   */
+  /** State and end stops, see `DP_BIT_STAT_*`. */
   unsigned char STAT;
 };
 
-/**
- * The payload of a move request: 12 bytes, in the unit of status reports.
- */
+/** The payload of a move request: 12 bytes, in the unit of status reports. */
 struct protocol_msg_position {
-  /**
-   * Displacement of arm A.
-   */
+  /** Displacement of arm A. */
   float DA;
-  /**
-   * Displacement of arm B.
-   */
+  /** Displacement of arm B. */
   float DB;
-  /**
-   * Displacement of arm C.
-   */
+  /** Displacement of arm C. */
   float DC;
 };
 
@@ -289,10 +173,7 @@ struct protocol_msg_position {
  *     ++losses;
  * ```
  */
-int dp_process(struct protocol_data *data,
-               void *buf,
-               int bytes)
-DP_SIZED("dp_process");
+int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_process");
 
 /**
  * Takes the next message out of the ring.
@@ -310,16 +191,12 @@ DP_SIZED("dp_process");
  *     handle(&msg);
  * ```
  */
-int dp_recv(struct protocol_data *data,
-            struct protocol_msg *msg)
-DP_SIZED("dp_recv");
+int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv");
 
 /**
  * Sends a message: calls sendfunc once, with the whole frame and usr.
  *
  * The opcode is not checked.
- *
- * sendfunc can be called with usr.
  *
  * Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
  * is outside 0 to `DP_DATA_MAX_SIZE`.
@@ -331,11 +208,7 @@ DP_SIZED("dp_recv");
  * dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_send(struct protocol_msg *msg,
-            send_func_t sendfunc,
-            void *usr)
-DP_SIZED("dp_send");
-
+int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED("dp_send");
 
 #ifdef __cplusplus
 }

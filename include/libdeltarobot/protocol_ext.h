@@ -2,21 +2,22 @@
  * @file
  * libdeltarobot/protocol_ext.h: what the original's API lacks.
  *
- * Generated from src/protocol_ext.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/protocol_ext.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_PROTOCOL_EXT_H
 #define LIBDELTAROBOT_PROTOCOL_EXT_H
 
+#include "abi.h"
+#include "protocol.h"
 
-#include "libdeltarobot/protocol.h"
+LIBDELTAROBOT_NOT_PACKED(protocol_ext);
+
+#ifdef LIBDELTAROBOT_SIZED_BY_MACRO
+#define dp_process_each DP_SIZED_NAME(dp_process_each)
+#define dp_recv_idle DP_SIZED_NAME(dp_recv_idle)
+#define dp_init DP_SIZED_NAME(dp_init)
+#endif
 
 /** Major version of the library that this header belongs to; dp_version() tells that of the one that is linked. */
 #define DP_VERSION_MAJOR 1
@@ -27,16 +28,9 @@
 /** All of them, as dp_version() spells them. */
 #define DP_VERSION_STRING "1.0.0"
 
-#ifdef DP_SIZED_BY_MACRO
-#define dp_process_each dp_process_each_128_32
-#define dp_recv_idle dp_recv_idle_128_32
-#define dp_init dp_init_128_32
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
-
 
 /**
  * Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
@@ -58,7 +52,7 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
  * are in the ring already come first.
  *
- * buf's bytes stay as they are until the call returns. `on_msg` can be called with usr.
+ * buf's bytes stay as they are until the call returns.
  *
  * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
  * rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
@@ -69,12 +63,8 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * dp_process_each(&ring, in, got, on_msg, NULL);
  * ```
  */
-int dp_process_each(struct protocol_data *data,
-                    const void *buf,
-                    int bytes,
-                    dp_msg_func_t on_msg,
-                    void *usr)
-DP_SIZED("dp_process_each");
+int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
+    DP_SIZED("dp_process_each");
 
 /**
  * Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
@@ -93,9 +83,7 @@ DP_SIZED("dp_process_each");
  *         handle(&msg);
  * ```
  */
-int dp_recv_idle(struct protocol_data *data,
-                 struct protocol_msg *msg)
-DP_SIZED("dp_recv_idle");
+int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv_idle");
 
 /**
  * Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
@@ -107,8 +95,7 @@ DP_SIZED("dp_recv_idle");
  * dp_init(&ring);
  * ```
  */
-int dp_init(struct protocol_data *data)
-DP_SIZED("dp_init");
+int dp_init(struct protocol_data *data) DP_SIZED("dp_init");
 
 /**
  * The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
@@ -121,7 +108,6 @@ DP_SIZED("dp_init");
  * ```
  */
 const char *dp_version(void);
-
 
 #ifdef __cplusplus
 }

@@ -2,16 +2,6 @@
  * @file
  * libdeltarobot/serial.h: the serial port, on Unix and Windows. Not in libraries for bare metal.
  *
- * Generated from src/serial.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- *
  * ```c
  * struct dp_serial port;
  * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) == DP_RC_SUCCESS) {
@@ -24,12 +14,17 @@
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * dp_serial_close(&port);
  * ```
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/serial.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_SERIAL_H
 #define LIBDELTAROBOT_SERIAL_H
 
+#include "abi.h"
+#include "protocol.h"
 
-#include "libdeltarobot/protocol.h"
+LIBDELTAROBOT_NOT_PACKED(serial);
 
 /** Words of a struct dp_serial. */
 #define DP_SERIAL_WORDS (384 / sizeof(unsigned long))
@@ -38,46 +33,25 @@
 extern "C" {
 #endif
 
-
-/**
- * The system has reported an error: `dp_serial_error` says which.
- */
+/** The system has reported an error: `dp_serial_error` says which. */
 #define DP_RC_DEVICE 7
-
-/**
- * The speed of the deltarobot link in baud (specification, section "Serial").
- */
+/** The speed of the deltarobot link in baud (specification, section "Serial"). */
 #define DP_SERIAL_BAUD 115200
-
-/**
- * How long `dp_serial_send` waits for room, in milliseconds.
- */
+/** How long `dp_serial_send` waits for room, in milliseconds. */
 #define DP_SERIAL_SEND_MS 1000
-
-/**
- * A line is asserted.
- */
+/** A line is asserted. */
 #define DP_SERIAL_ON 1
-
-/**
- * A line is not asserted.
- */
+/** A line is not asserted. */
 #define DP_SERIAL_OFF -1
 
-/**
- * A serial port. All zero is a closed one.
- */
+/** A serial port. All zero is a closed one. */
 struct dp_serial {
   unsigned long opaque[DP_SERIAL_WORDS];
 };
 
-/**
- * How a port is opened and closed. All zero is what `dp_serial_open` does.
- */
+/** How a port is opened and closed. All zero is what `dp_serial_open` does. */
 struct dp_serial_settings {
-  /**
-   * Speed in baud, 0 for `DP_SERIAL_BAUD`.
-   */
+  /** Speed in baud, 0 for `DP_SERIAL_BAUD`. */
   unsigned long baud;
   /**
    * DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored where
@@ -87,9 +61,7 @@ struct dp_serial_settings {
    * that shall not be reset has to be closed with `keep_lines` the time before.
    */
   int dtr;
-  /**
-   * RTS after opening, likewise. Both change at once.
-   */
+  /** RTS after opening, likewise. Both change at once. */
   int rts;
   /**
    * Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
@@ -117,9 +89,7 @@ struct dp_serial_settings {
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
  */
-int dp_serial_open(struct dp_serial *serial,
-                   const char *device,
-                   unsigned long baud);
+int dp_serial_open(struct dp_serial *serial, const char *device, unsigned long baud);
 
 /**
  * Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
@@ -133,9 +103,7 @@ int dp_serial_open(struct dp_serial *serial,
  * dp_serial_open_with(&port, "/dev/ttyACM0", &settings);
  * ```
  */
-int dp_serial_open_with(struct dp_serial *serial,
-                        const char *device,
-                        const struct dp_serial_settings *settings);
+int dp_serial_open_with(struct dp_serial *serial, const char *device, const struct dp_serial_settings *settings);
 
 /**
  * Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
@@ -151,10 +119,7 @@ int dp_serial_open_with(struct dp_serial *serial,
  *     dp_process(&ring, in, got);
  * ```
  */
-int dp_serial_read(struct dp_serial *serial,
-                   void *buf,
-                   int cap,
-                   long timeout_ms);
+int dp_serial_read(struct dp_serial *serial, void *buf, int cap, long timeout_ms);
 
 /**
  * Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't
@@ -170,10 +135,7 @@ int dp_serial_read(struct dp_serial *serial,
  *     puts("nobody reads at the other end");
  * ```
  */
-int dp_serial_write(struct dp_serial *serial,
-                    const void *buf,
-                    int bytes,
-                    long timeout_ms);
+int dp_serial_write(struct dp_serial *serial, const void *buf, int bytes, long timeout_ms);
 
 /**
  * Writes all bytes, waiting for room up to `DP_SERIAL_SEND_MS`. A `send_func_t`, for which usr is the port.
@@ -186,9 +148,7 @@ int dp_serial_write(struct dp_serial *serial,
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
  */
-int dp_serial_send(void *buf,
-                   int bytes,
-                   void *usr);
+int dp_serial_send(void *buf, int bytes, void *usr);
 
 /**
  * Waits until all that was written was sent, however long that takes. Signals don't end it.
@@ -228,8 +188,7 @@ int dp_serial_discard(struct dp_serial *serial);
  * dp_serial_set_dtr(&port, 1);
  * ```
  */
-int dp_serial_set_dtr(struct dp_serial *serial,
-                      int on);
+int dp_serial_set_dtr(struct dp_serial *serial, int on);
 
 /**
  * Sets RTS, as `dp_serial_set_dtr` sets DTR.
@@ -277,7 +236,6 @@ int dp_serial_close(struct dp_serial *serial);
  * ```
  */
 const char *dp_serial_error(const struct dp_serial *serial);
-
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@ use super::{Calls, Controller, DP_CONTROLLER_REFUSE_BUSY, DP_CONTROLLER_REPORT_E
 use crate::memory::int;
 use crate::payload::{position_to, report_from};
 use crate::protocol::StatusReport;
-use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::controller::{Controller as Core, Decision, Request};
 use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_MAX, Position, Report, receiver_room};
 

@@ -4,7 +4,7 @@ use core::ffi::{c_int, c_ulong};
 use core::mem::{align_of, offset_of, size_of};
 
 use super::{Command, Device, DeviceInfo, DeviceTable, OLP_ID_MAX};
-use deltarobot_protocols::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
+use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
 use deltarobot_protocols::line::COMMAND_MAX;
 use deltarobot_protocols::line::device::{Answer, Answers, DeviceHealth, DeviceLink, ID_MAX, Input};
 

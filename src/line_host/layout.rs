@@ -6,7 +6,7 @@ use core::mem::{align_of, offset_of, size_of};
 use super::event::LineHostEvent;
 use super::{OLP_HOST_ID_MAX, OLP_HOST_NAME_MAX, OLP_HOST_TYPE_MAX, OLP_HOST_VERSION_MAX};
 use crate::line_protocol::LineMessage;
-use deltarobot_protocols::config::{OLP_DEVICES_MAX, OLP_WINDOW_MAX};
+use crate::sizes::{OLP_DEVICES_MAX, OLP_WINDOW_MAX};
 use deltarobot_protocols::line::Receiver;
 use deltarobot_protocols::line::host::{Counter, Device, Devices, Health, Host, ID_MAX, Link, NAME_MAX, Recent};
 use deltarobot_protocols::line::host::{Session, Settings, Slot, TYPE_MAX, VERSION_MAX};

@@ -5,8 +5,8 @@ use core::ffi::{c_int, c_uchar};
 use super::{layout_of, position_from, report_from};
 use crate::memory::int;
 use crate::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::config::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 
 /// Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or

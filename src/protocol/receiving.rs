@@ -9,8 +9,9 @@ use core::mem::MaybeUninit;
 
 use super::{DP_RC_ERROR_GENERIC, DP_RC_GARBAGE, DP_RC_NO_FRAME, DP_RC_SUCCESS, ProtocolMsg};
 use crate::memory::int;
+use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::bytes;
-use deltarobot_protocols::config::{DP_DATA_MAX_SIZE, FAST};
+use deltarobot_protocols::config::FAST;
 use deltarobot_protocols::deltarobot::{Glance, NoFrame, Opcode, Proof, Ring};
 
 /// What `opcode` becomes when no frame was received: never the opcode of one.

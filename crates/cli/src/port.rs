@@ -192,13 +192,7 @@ impl Device {
         let gap = if serial::is_direct(path) { GAP_DIRECT } else { GAP_USB };
         // At low speeds, the time of some bytes.
         let gap = gap.max(Duration::from_secs(200) / options.baud);
-        Ok(Self {
-            path: path.to_owned(),
-            port,
-            gap: options.gap().unwrap_or(gap),
-            room: Box::new([0; 4096]),
-            count: 0,
-        })
+        Ok(Self { path: path.to_owned(), port, gap: options.gap().unwrap_or(gap), room: Box::new([0; 4096]), count: 0 })
     }
 
     /// The silence that ends a message.

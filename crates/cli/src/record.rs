@@ -52,11 +52,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let opening = Opening::new(&arguments.port, &arguments.options, arguments.reconnect);
     let Some(device) = opening.open(|| signals.is_raised())? else { return Ok(Status::Finished) };
     // The file last: what is there stays if anything else is missing.
-    let pty = if arguments.tap {
-        Some(Pty::new(arguments.link.as_deref())?.stands_before(&arguments.port))
-    } else {
-        None
-    };
+    let pty =
+        if arguments.tap { Some(Pty::new(arguments.link.as_deref())?.stands_before(&arguments.port)) } else { None };
     let file = Recorder::create(&arguments.file, device.gap())?;
     if let Some(pty) = pty.as_ref().filter(|_| !file.is_output()) {
         Screen::new().line(&pty.path().display().to_string())?;

@@ -73,7 +73,9 @@ fn read(
     let no_recording = || Failure::of(arguments.file.display(), "not a recording");
     let mut take = |piece: Piece| match piece {
         Piece::Raw(_) => Err(no_recording()),
-        Piece::Entry(entry, _) if entry.from == arguments.side => take(entry).map(|goes_on| goes_on && !signals.is_raised()),
+        Piece::Entry(entry, _) if entry.from == arguments.side => {
+            take(entry).map(|goes_on| goes_on && !signals.is_raised())
+        }
         Piece::Entry(..) => Ok(!signals.is_raised()),
     };
     let (mut file, mut source) = (Progress::open(&arguments.file)?, Source::new(&arguments.file));

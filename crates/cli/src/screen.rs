@@ -50,9 +50,13 @@ impl Screen {
 
     /// JSON on a line. What a terminal could obey is escaped, which JSON asks for only in part.
     pub(crate) fn put_json(&mut self, value: &Value) -> io::Result<()> {
-        writeln!(self.out, "{}", escaped(&value.to_string(), |letter, text| {
-            letter.encode_utf16(&mut [0; 2]).iter().for_each(|unit| *text += &format!("\\u{unit:04x}"));
-        }))
+        writeln!(
+            self.out,
+            "{}",
+            escaped(&value.to_string(), |letter, text| {
+                letter.encode_utf16(&mut [0; 2]).iter().for_each(|unit| *text += &format!("\\u{unit:04x}"));
+            })
+        )
     }
 
     pub(crate) fn flush(&mut self) -> io::Result<()> {

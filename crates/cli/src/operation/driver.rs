@@ -245,12 +245,7 @@ impl<'a> Driver<'a> {
     }
 
     /// Makes a request, and waits for its end.
-    pub(crate) fn perform(
-        &mut self,
-        request: Request,
-        no_wait: bool,
-        reporter: &mut Reporter,
-    ) -> Result<End, Failure> {
+    pub(crate) fn perform(&mut self, request: Request, no_wait: bool, reporter: &mut Reporter) -> Result<End, Failure> {
         self.seen = Seen::default();
         request.start(&mut self.host);
         let mut turn = Turn { request, no_wait, was_interrupted: false, outcome: None };

@@ -68,7 +68,9 @@ impl Seen {
                 Kind::Frames => "messages were received, but no answer to this request".into(),
             }),
             Outcome::Refused => Some(match report {
-                Some(report) if report.state() == State::Error => "the controller sent NACK: it is in state ERROR".into(),
+                Some(report) if report.state() == State::Error => {
+                    "the controller sent NACK: it is in state ERROR".into()
+                }
                 Some(report) if !report.position.is_finite() => {
                     "the controller sent NACK: it does not know its position, and has to home first".into()
                 }

@@ -71,8 +71,15 @@ pub(super) struct Recorder {
 impl Recorder {
     pub(super) fn create(options: &FileOptions, gap: Duration) -> Result<Self, Failure> {
         let name = options.file.clone();
-        let mut recorder =
-            Self { name, file: None, length: 0, rotate: options.rotate, gap, offset: Duration::ZERO, has_failed: false };
+        let mut recorder = Self {
+            name,
+            file: None,
+            length: 0,
+            rotate: options.rotate,
+            gap,
+            offset: Duration::ZERO,
+            has_failed: false,
+        };
         if !options.is_output() {
             let mut open = OpenOptions::new();
             open.create(true).read(options.append).write(true).truncate(!options.append);

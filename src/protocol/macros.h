@@ -1,18 +1,3 @@
-# protocol.h: the original's API, and nothing else. The macros whose types cbindgen can't express stand here.
-header = """
-/**
- * @file
- * libdeltarobot/protocol.h: frames of the deltarobot message format, specification v1.0.
- *
- * Generated from src/protocol.rs for these sizes: `make header` renews it.
- *
- * @RULES@
- */"""
-after_includes = """
-
-@DP_SIZES@
-@DP_SIZED_NAMES@
-
 /** First byte of every frame. */
 #define DP_PROTO_FRAME_START '$'
 /** Last byte of every frame. */
@@ -47,15 +32,3 @@ after_includes = """
 #define DP_BIT_STAT_STOP_B_BIT (1 << 3)
 /** Position of end stop C's bit in STAT. */
 #define DP_BIT_STAT_STOP_C_BIT (1 << 4)
-"""
-
-[export]
-include = ["StatusReport", "Position"]
-exclude = ["RingByte"]
-[export.rename]
-Ring = "protocol_data"
-RingByte = "char"
-ProtocolMsg = "protocol_msg"
-SendFunc = "send_func_t"
-StatusReport = "protocol_msg_status_report"
-Position = "protocol_msg_position"

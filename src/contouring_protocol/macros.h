@@ -1,16 +1,3 @@
-# ContouringProtocol.h: the header that came with the proposal. What cbindgen can't express stands here.
-header = """
-/**
- * @file
- * ContouringProtocol.h: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
- * header that came with the proposal; libdeltarobot/gx.h has what that lacks.
- *
- * Generated from src/contouring_protocol.rs: `make header` renews it.
- *
- * @RULES@
- */"""
-after_includes = """
-
 #include <stdint.h>
 /* Programs written for the posted header may use u_int8_t and the like. */
 #if defined(__AVR__) || defined(_MSC_VER)
@@ -43,7 +30,3 @@ enum
   CPAxis_b,
   CPAxis_c
 };
-"""
-
-[export]
-include = ["CPPacked7", "CPPacked14", "CPPacked28"]

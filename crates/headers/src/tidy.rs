@@ -1,0 +1,68 @@
+//! What cbindgen writes, as a person would write it.
+
+/// Makes comments of one line of those that take three, and declarations of one line of those that fit it.
+pub(crate) fn tidy(text: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    let mut rest = text.trim().lines().peekable();
+    while let Some(line) = rest.next() {
+        let mut line = line.to_owned();
+        if line.trim() == "/**" {
+            line = comment(line, &mut rest);
+        } else if line.ends_with([',', ')']) && line.contains('(') && !line.starts_with([' ', '#', '/']) {
+            line = declaration(line, &mut rest);
+        }
+        // One blank line at most, and none between macros or fields that have a line each.
+        let is_blank = line.trim().is_empty();
+        if is_blank && lines.last().is_some_and(|last| last.is_empty()) {
+            continue;
+        }
+        if line.starts_with("/** ") && rest.peek().is_some_and(|next| next.starts_with("#define")) && lines.len() >= 3 {
+            let group = &lines[lines.len() - 3..];
+            if group[2].is_empty() && group[1].starts_with("#define") && group[0].starts_with("/** ") {
+                lines.pop();
+            }
+        }
+        lines.push(if is_blank { String::new() } else { line });
+    }
+    lines.join("\n") + "\n"
+}
+
+/// A comment that begins with this line, with its end.
+fn comment<'a>(first: String, rest: &mut impl Iterator<Item = &'a str>) -> String {
+    let indent = first.len() - first.trim_start().len();
+    let mut body: Vec<&str> = rest.by_ref().take_while(|line| line.trim() != "*/").collect();
+    // The annotation of cbindgen leaves an empty line.
+    while body.last().is_some_and(|line| line.trim() == "*") {
+        body.pop();
+    }
+    let indent = " ".repeat(indent);
+    match body[..] {
+        [line] if line.len() + 6 <= 120 => format!("{indent}/** {} */", line.trim().trim_start_matches("* ")),
+        _ => format!("{first}\n{}\n{indent} */", body.join("\n")),
+    }
+}
+
+/// A declaration of a function that begins with this line.
+fn declaration<'a>(first: String, rest: &mut impl Iterator<Item = &'a str>) -> String {
+    let mut lines = vec![first];
+    while !lines.last().is_some_and(|line| line.ends_with(';')) {
+        let Some(line) = rest.next() else { break };
+        lines.push(line.to_owned());
+    }
+    let joined = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+    if joined.len() <= 120 {
+        return joined;
+    }
+    // The symbol's name on a line of its own, and the arguments in as few as they fit.
+    let (mut text, mut width) = (String::new(), 0);
+    for word in joined.split_inclusive(", ").flat_map(|part| part.split_inclusive(") ")) {
+        if width + word.trim_end().len() > 120 {
+            text.truncate(text.trim_end().len());
+            text += "\n    ";
+            width = 4;
+        }
+        text += word;
+        width += word.len();
+    }
+    text
+}
