@@ -26,5 +26,6 @@ pub mod counter;
 pub mod decimal;
 pub mod deltarobot;
 pub mod gx;
+pub mod kinematics;
 pub mod line;
 pub mod session;
