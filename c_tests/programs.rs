@@ -69,10 +69,12 @@ mod special {
     in_every_mode! {
         gx_channel: Program::of("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
         gx_layout: Program::of("gx_layout", &["gx/layout.c"]).language(Language::C11).family(Family::Gx);
+        kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
         layout: Program::of("layout", &["deltarobot/layout.c"]).language(Language::C11);
         line_layout: Program::of("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
         line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
         noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);
+        robot: Program::of("robot", &["kinematics/robot.cpp"]).family(Family::Serial).needs_eigen();
         session_channel: Program::of("session_channel", &["deltarobot/session_channel.c"]).slowly(&["300"]);
         two_units: Program::of("two_units", &["deltarobot/two_units_a.c", "deltarobot/two_units_b.c"]);
     }

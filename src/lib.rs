@@ -27,6 +27,7 @@ pub mod gx;
 pub mod gx_host;
 pub mod gx_motion;
 pub mod host;
+pub mod kinematics;
 pub mod line_device;
 pub mod line_host;
 pub mod line_protocol;

@@ -17,8 +17,8 @@ mod line;
 mod output;
 mod recordings;
 mod run;
-mod sessions;
 mod screens;
+mod sessions;
 mod signals;
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]

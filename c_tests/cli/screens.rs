@@ -65,7 +65,10 @@ fn ones_own_terminal_is_no_device() {
         let shell = format!("{} monitor {name}; echo status $?", program().display());
         let output = run(Command::new("timeout").args(["10", "script", "-qec", &shell, "/dev/null"]));
         let said = text(&output);
-        assert!(said.contains("the terminal that this program runs in") && said.contains("status 3"), "{name}: {said:?}");
+        assert!(
+            said.contains("the terminal that this program runs in") && said.contains("status 3"),
+            "{name}: {said:?}"
+        );
     }
 }
 
@@ -73,7 +76,8 @@ fn ones_own_terminal_is_no_device() {
 #[test]
 fn nothing_from_the_wire_formats_the_terminal() {
     let line = "c=welcome&name=a\u{202e}b\u{2066}c\u{200f}d\u{feff}e\u{e0041}f\u{2028}g&id=x";
-    let is_harmless = |said: &str| !said.chars().any(|letter| "\u{202e}\u{2066}\u{200f}\u{feff}\u{e0041}\u{2028}".contains(letter));
+    let is_harmless =
+        |said: &str| !said.chars().any(|letter| "\u{202e}\u{2066}\u{200f}\u{feff}\u{e0041}\u{2028}".contains(letter));
     for options in [&[] as &[&str], &["--json"]] {
         let said = printed(&[&["decode", "--protocol", "line"], options, &[line]].concat(), FINISHED);
         assert!(is_harmless(&said) && said.contains("202e"), "{said}");
@@ -87,7 +91,9 @@ fn nothing_from_the_wire_formats_the_terminal() {
 
 #[test]
 fn garbage_has_all_its_bytes() {
-    for (protocol, bytes) in [("gx", "78 31 71 20 35 20 09 79 36"), ("gx", "2A 20 09 80"), ("deltarobot", "24 20 09 0A 53")] {
+    for (protocol, bytes) in
+        [("gx", "78 31 71 20 35 20 09 79 36"), ("gx", "2A 20 09 80"), ("deltarobot", "24 20 09 0A 53")]
+    {
         let said = printed(&["decode", "--protocol", protocol, bytes], NOT_DONE);
         assert!(said.starts_with(&format!("garbage: {bytes}")), "{said}");
     }

@@ -68,6 +68,10 @@ int stop(void *usr);
 void read_status(struct protocol_msg_status_report *report, void *usr);
 #endif
 
+#ifdef LIBDELTAROBOT_KINEMATICS_H
+extern struct dp_robot_configuration configuration;
+#endif
+
 #ifdef LIBDELTAROBOT_SERIAL_H
 extern struct dp_serial port;
 #endif

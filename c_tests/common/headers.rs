@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::support::{
     DEFAULT, Family, LARGEST, Library, Mode, OTHERS, Program, SMALLEST, STRICT, Sizes, c_tests, check, compiler,
-    has_tool, out_dir, root, run, text,
+    has_eigen, has_tool, out_dir, root, run, text,
 };
 
 const C_STANDARDS: [&str; 4] = ["c89", "c99", "c11", "c2x"];
@@ -19,7 +19,8 @@ const IN_PLACE_CPP: Program = Program::of("in_place_cpp", &["deltarobot/in_place
 const RELINKED: Program = Program::of("relinked", &["packaging/relinked.c"]);
 
 /// Headers that are C++, and have no business in C or inside somebody's `extern "C"`.
-pub(crate) const CPP_ONLY: [&str; 1] = ["libdeltarobot/protocol_pc_utils.h"];
+pub(crate) const CPP_ONLY: [&str; 2] = [NEEDS_EIGEN, "libdeltarobot/protocol_pc_utils.h"];
+const NEEDS_EIGEN: &str = "libdeltarobot/deltarobot.h";
 
 /// The names of the library's headers, as programs include them.
 pub(crate) fn headers(library: &Library) -> Vec<String> {
@@ -28,6 +29,9 @@ pub(crate) fn headers(library: &Library) -> Vec<String> {
         let paths = fs::read_dir(library.include().join(dir)).unwrap().map(|entry| entry.unwrap().path());
         let files = paths.filter(|path| path.is_file());
         names.extend(files.map(|path| format!("{dir}{}", path.file_name().unwrap().to_str().unwrap())));
+    }
+    if !has_eigen() {
+        names.retain(|name| name != NEEDS_EIGEN);
     }
     names.sort();
     assert!(names.iter().any(|name| name == "libdeltarobot/protocol.h"), "{names:?}");

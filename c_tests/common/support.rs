@@ -146,6 +146,7 @@ pub(crate) struct Program {
     pub(crate) family: Family,
     /// What it is given where it runs many times as slowly.
     slowly: &'static [&'static str],
+    needs_eigen: bool,
 }
 
 impl Program {
@@ -153,7 +154,7 @@ impl Program {
     pub(crate) const fn of(name: &'static str, sources: &'static [&'static str]) -> Self {
         let language =
             if sources[0].as_bytes()[sources[0].len() - 1] == b'p' { Language::Cpp98 } else { Language::C99 };
-        Self { name, sources, language, flags: &[], family: Family::Deltarobot, slowly: &[] }
+        Self { name, sources, language, flags: &[], family: Family::Deltarobot, slowly: &[], needs_eigen: false }
     }
 
     pub(crate) const fn language(self, language: Language) -> Self {
@@ -171,6 +172,10 @@ impl Program {
 
     pub(crate) const fn slowly(self, slowly: &'static [&'static str]) -> Self {
         Self { slowly, ..self }
+    }
+
+    pub(crate) const fn needs_eigen(self) -> Self {
+        Self { needs_eigen: true, ..self }
     }
 
     /// What it is given: less to do under valgrind, and where a library that isn't optimized counts what is run.
@@ -298,7 +303,7 @@ static BUILDS: AtomicUsize = AtomicUsize::new(0);
 
 /// Compiles and links a program against a library. In modes that can't be had here: none, after saying so.
 pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<PathBuf> {
-    if mode == Mode::Valgrind && !has_tool("valgrind", "--version") {
+    if mode == Mode::Valgrind && !has_tool("valgrind", "--version") || program.needs_eigen && !has_eigen() {
         return None;
     }
     let executable = out_dir().join(format!("{}-{}-{mode:?}", program.name, library.sizes).to_lowercase());
@@ -406,9 +411,22 @@ pub(crate) fn text(output: &Output) -> String {
 
 /// Whether a tool is here. Where it has to be (`DP_REQUIRE_TOOLS=1`, as CI sets it) its absence is a failure.
 pub(crate) fn has_tool(name: &str, harmless_argument: &str) -> bool {
-    if Command::new(name).arg(harmless_argument).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok() {
-        return true;
-    }
+    let runs = Command::new(name).arg(harmless_argument).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    runs || is_missing(name)
+}
+
+/// Whether C++ programs find Eigen.
+pub(crate) fn has_eigen() -> bool {
+    static FOUND: LazyLock<bool> = LazyLock::new(|| {
+        let mut command = compiler(true);
+        command.args(["-fsyntax-only", "-include", "eigen3/Eigen/Dense", "-xc++", "/dev/null"]);
+        run(&mut command).status.success() || is_missing("Eigen 3")
+    });
+    *FOUND
+}
+
+/// False, after saying so; where all tools are demanded, a failure.
+fn is_missing(name: &str) -> bool {
     assert!(env::var("DP_REQUIRE_TOOLS").as_deref() != Ok("1"), "{name} is not installed");
     // Not println: that is captured when a test passes.
     let _ = writeln!(std::io::stderr(), "skipped: {name} is not installed");
