@@ -151,6 +151,7 @@ int main(int argc, char **argv)
 {
     CHECK_INT(sizeof(struct dp_robot_configuration), 44);
     CHECK_INT(offsetof(struct dp_robot_configuration, d_B1B3), 36);
+    CHECK_INT(DP_RC_NO_POSE, 14);
     known_poses();
     forward_of_inverse(argc > 1 ? atol(argv[1]) : 100000);
     no_answer();

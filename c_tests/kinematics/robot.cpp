@@ -103,7 +103,7 @@ int main()
     const vec3 e(0.2f, 0.3f, 0.2f), q(0.2965865f, 0.3018354f, 0.3492939f);
     CHECK((host.lengths_at(e) - q).norm() < 3e-7f);
     CHECK((host.pose_of(q) - e).norm() < 5e-7f);
-    CHECK(host.move_to(e) == "MOVE!:   DA=0.296587  DB=0.301835  DC=0.349294");
+    CHECK(host.move_to(e) == "MOVE!:  DA=0.296587  DB=0.301835  DC=0.349294");
 
     // The original had a NaN for poses in the plane of the joints. Here there is one where there is no answer.
     CHECK(!is_nan(host.lengths_at(vec3(0.25f, 0.0f, 0.25f))));
