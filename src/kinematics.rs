@@ -1,4 +1,16 @@
-//! `kinematics.h`: the platform's geometry.
+//! `libdeltarobot/kinematics.h`: the platform's geometry. libdeltarobot/deltarobot.h has it for C++.
+//!
+//! Three legs of variable length stand on the joints A1, A2 and A3 of the base. Legs 1 and 3 and the platform's edge lie
+//! in one plane, which turns about the line A1A3; leg 2 ends off that plane, on the side of A2. The pose is the place of
+//! the edge's middle. docs/kinematics.md has the formulas.
+//!
+//! ```c
+//! struct dp_robot_configuration configuration = {
+//!     { 0.12f, 0.0f, 0.10f }, { 0.38f, 0.0f, 0.25f }, { 0.12f, 0.0f, 0.40f }, 0.15f, 0.08f
+//! };
+//! float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
+//! dp_kinematics_inverse(&configuration, pose, lengths);
+//! ```
 
 use core::ffi::{c_float, c_int};
 use core::mem::{align_of, offset_of, size_of};

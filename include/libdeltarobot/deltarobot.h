@@ -2,8 +2,7 @@
  * @file
  * libdeltarobot/deltarobot.h: the platform's geometry for C++ programs (C++98 and later) that use Eigen 3.
  *
- * Source-compatible with the original's header of this name; all of it stands on kinematics.h, whose rules about
- * pointers, threads and interrupts hold here too.
+ * Source-compatible with the original's header of this name; all of it stands on kinematics.h.
  */
 #ifndef LIBDELTAROBOT_DELTAROBOT_H
 #define LIBDELTAROBOT_DELTAROBOT_H
@@ -21,7 +20,7 @@
 #include "eigen3/Eigen/Dense"
 #endif
 
-#include "libdeltarobot/kinematics.h"
+#include "kinematics.h"
 
 namespace deltarobot {
 

@@ -2,16 +2,6 @@
  * @file
  * libdeltarobot/kinematics.h: the platform's geometry. libdeltarobot/deltarobot.h has it for C++.
  *
- * Generated from src/kinematics.rs: `make header` renews it.
- *
- * What holds for each function, unless it says otherwise (docs/api.md has all of it):
- *
- * - Pointers: NULL is answered with an error, never followed. Others point to whole objects of their type, aligned,
- *   writable where they are not const, with any contents. The objects of one call don't overlap.
- * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
- *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too.
- *
  * Three legs of variable length stand on the joints A1, A2 and A3 of the base. Legs 1 and 3 and the platform's edge lie
  * in one plane, which turns about the line A1A3; leg 2 ends off that plane, on the side of A2. The pose is the place of
  * the edge's middle. docs/kinematics.md has the formulas.
@@ -23,46 +13,36 @@
  * float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
  * dp_kinematics_inverse(&configuration, pose, lengths);
  * ```
+ *
+ * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
+ * Generated from src/kinematics.rs by `make header`.
  */
 #ifndef LIBDELTAROBOT_KINEMATICS_H
 #define LIBDELTAROBOT_KINEMATICS_H
 
+#include "abi.h"
+#include "protocol.h"
 
-#include "libdeltarobot/protocol.h"
+LIBDELTAROBOT_NOT_PACKED(kinematics);
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-
-/**
- * There is no such pose.
- */
+/** There is no such pose. */
 #define DP_RC_NO_POSE 14
 
-/**
- * The robot's measures: any unit of length, any frame.
- */
+/** The robot's measures: any unit of length, any frame. */
 struct dp_robot_configuration {
-  /**
-   * Where leg 1 is joined to the base: x, y, z.
-   */
+  /** Where leg 1 is joined to the base: x, y, z. */
   float A1[3];
-  /**
-   * Where leg 2 is, the one that stands off the plane of the others.
-   */
+  /** Where leg 2 is, the one that stands off the plane of the others. */
   float A2[3];
-  /**
-   * Where leg 3 is.
-   */
+  /** Where leg 3 is. */
   float A3[3];
-  /**
-   * The length of the platform's edge from leg 1 to leg 3.
-   */
+  /** The length of the platform's edge from leg 1 to leg 3. */
   float d_B1B3;
-  /**
-   * The distance of leg 2's end from the plane of the others.
-   */
+  /** The distance of leg 2's end from the plane of the others. */
   float d_e;
 };
 
@@ -79,9 +59,7 @@ struct dp_robot_configuration {
  *     printf("%f %f %f\n", lengths[0], lengths[1], lengths[2]);
  * ```
  */
-int dp_kinematics_inverse(const struct dp_robot_configuration *configuration,
-                          const float *pose,
-                          float *lengths);
+int dp_kinematics_inverse(const struct dp_robot_configuration *configuration, const float *pose, float *lengths);
 
 /**
  * Forward kinematics: where the middle of the platform's edge is when the three legs have these lengths.
@@ -99,10 +77,7 @@ int dp_kinematics_inverse(const struct dp_robot_configuration *configuration,
  *     printf("%f %f %f\n", pose[0], pose[1], pose[2]);
  * ```
  */
-int dp_kinematics_forward(const struct dp_robot_configuration *configuration,
-                          const float *lengths,
-                          float *pose);
-
+int dp_kinematics_forward(const struct dp_robot_configuration *configuration, const float *lengths, float *pose);
 
 #ifdef __cplusplus
 }
