@@ -14,6 +14,7 @@ mod arrival;
 mod device;
 mod gx;
 mod line;
+mod network;
 mod output;
 mod recordings;
 mod run;

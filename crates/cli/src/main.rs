@@ -15,6 +15,7 @@ mod hex;
 mod monitor;
 mod operation;
 mod port;
+mod ports;
 mod protocol;
 mod pty;
 mod record;
@@ -73,6 +74,8 @@ enum Command {
     Monitor(monitor::Arguments),
     /// Shows the messages in bytes given on the command line
     Decode(decode::Arguments),
+    /// Lists the serial ports of this machine
+    Ports(ports::Arguments),
     /// Records what comes from a device, or passes between a host program and a device
     Record(record::Arguments),
     /// Sends what was recorded, at the times when it was
@@ -94,6 +97,7 @@ fn dispatch(command: &Command) -> Result<Status, Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Monitor(arguments) => monitor::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
+        Command::Ports(arguments) => ports::run(arguments),
         Command::Record(arguments) => record::run(arguments),
         Command::Replay(arguments) => replay::run(arguments),
     }

@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::clock::{Clock, SLICE};
 use crate::decoder::{Decoder, Lanes, Piece, SENDERS, Statistics, seconds};
-use crate::port::{Device, GAP_PIPE, GAP_USB, Opening, PortOptions};
+use crate::port::{Device, GAP_NETWORK, GAP_USB, Opening, PortOptions, is_url};
 use crate::protocol::Spoken;
 use crate::recording::{Side, Start};
 use crate::screen::{Screen, complain};
@@ -29,7 +29,7 @@ use crate::wait::wait;
     controller, where a recording or the message tells it) and the message. Statistics follow at the end or on Ctrl-C."
 )]
 pub(crate) struct Arguments {
-    /// A device, a recording, a file of raw bytes, or `-` for standard input
+    /// A device (or `tcp://HOST:PORT`, `rfc2217://HOST:PORT`), a recording, a file of raw bytes, or `-` for standard input
     #[arg(value_name = "PORT|FILE|-")]
     source: PathBuf,
     /// One JSON object a line, the statistics last
@@ -62,11 +62,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
     let path = arguments.source.as_path();
     if path.as_os_str() == "-" {
-        return Monitor::new(arguments, GAP_PIPE).watch_stream(Path::new("standard input"), &io::stdin(), &signals);
+        return Monitor::new(arguments, GAP_NETWORK).watch_stream(Path::new("standard input"), &io::stdin(), &signals);
     }
     let kind = fs::metadata(path).map(|metadata| metadata.file_type());
     let is_missing = arguments.reconnect && kind.is_err();
-    if is_missing || kind.as_ref().is_ok_and(FileTypeExt::is_char_device) {
+    if is_missing || is_url(path) || kind.as_ref().is_ok_and(FileTypeExt::is_char_device) {
         return Monitor::new(arguments, GAP_USB).watch_device(arguments, &signals);
     }
     let kind = kind.map_err(|error| Failure::of_file(path.display(), &error))?;
@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         return Monitor::new(arguments, GAP_USB).watch_file(path, &signals);
     }
     let file = fs::File::open(path).map_err(|error| Failure::of_file(path.display(), &error))?;
-    Monitor::new(arguments, GAP_PIPE).watch_stream(path, &file, &signals)
+    Monitor::new(arguments, GAP_NETWORK).watch_stream(path, &file, &signals)
 }
 
 struct Monitor {

@@ -55,7 +55,7 @@ struct Operation {
 
 #[derive(Debug, clap::Args)]
 struct Common {
-    /// The device that the controller is at; by default what the environment's variable DELTAROBOT_PORT says
+    /// The device that the controller is at (or `tcp://HOST:PORT`, `rfc2217://HOST:PORT`); by default what the environment's variable DELTAROBOT_PORT says
     port: Option<PathBuf>,
     /// The same, by an option
     #[arg(id = "option", short = 'p', long = "port", value_name = "PORT", conflicts_with = "port")]

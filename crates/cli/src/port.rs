@@ -1,6 +1,8 @@
 //! The ports that the program's arguments name.
 
+mod network;
 mod serial;
+mod telnet;
 
 use std::fmt;
 use std::io;
@@ -16,6 +18,8 @@ use serial2::SerialPort;
 use crate::screen::complain;
 use crate::status::{Failure, system_text};
 use crate::wait::{wait, wait_for};
+pub(crate) use network::is_url;
+use network::Network;
 
 /// How long a write may wait for room. At 115200 baud the system's buffer is empty after half of that.
 const WRITE_TIME: Duration = Duration::from_secs(1);
@@ -24,11 +28,11 @@ const WRITE_TIME: Duration = Duration::from_secs(1);
 const RETRY: Duration = Duration::from_millis(200);
 
 /// The gap within a message of a sender whose bytes come as they are sent; of those that come through a USB converter
-/// or another program; and of those from a pipe, which may come from a network, where a lost packet comes again after 200
-/// ms at the soonest.
+/// or another program; and of those from a network, where a lost packet comes again after 200 ms at the soonest, or a
+/// pipe, which may come from one.
 pub(crate) const GAP_DIRECT: Duration = Duration::from_millis(50);
 pub(crate) const GAP_USB: Duration = Duration::from_millis(250);
-pub(crate) const GAP_PIPE: Duration = Duration::from_secs(1);
+pub(crate) const GAP_NETWORK: Duration = Duration::from_secs(1);
 
 /// How a port is opened.
 #[derive(Clone, Debug, clap::Args)]
@@ -48,7 +52,7 @@ pub(crate) struct PortOptions {
     #[arg(long, value_enum, value_name = "WHAT")]
     at_close: Option<AtClose>,
     /// Silence after which an incomplete message is given up; by default 50 for a UART of this machine, 250 for a USB
-    /// converter, another program or a recording, and 1000 for a pipe
+    /// converter, another program or a recording, and 1000 for a network or a pipe
     #[arg(long, value_name = "MILLISECONDS", value_parser = clap::value_parser!(u32).range(1..=60_000))]
     gap: Option<u32>,
     /// Waits so long for a port that is not there, or in use
@@ -101,6 +105,7 @@ enum Cause {
     OwnTerminal,
     NotTaken(u32),
     NoLine(&'static str),
+    NoRfc2217,
     Disconnected,
     TimedOut,
 }
@@ -130,6 +135,7 @@ impl fmt::Display for Cause {
             Self::OwnTerminal => f.write_str("the terminal that this program runs in"),
             Self::NotTaken(baud) => write!(f, "can't be set to {baud} baud 8N1"),
             Self::NoLine(name) => write!(f, "has no line {name}"),
+            Self::NoRfc2217 => f.write_str("no serial port by RFC 2217"),
             Self::Disconnected => f.write_str("disconnected"),
             Self::TimedOut => f.write_str("no bytes were taken in time"),
         }
@@ -176,10 +182,25 @@ impl<'a> Opening<'a> {
     }
 }
 
+/// The ways to a port.
+enum Port {
+    Serial(SerialPort),
+    Network(Network),
+}
+
+impl AsFd for Port {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        match self {
+            Self::Serial(port) => port.as_fd(),
+            Self::Network(network) => network.stream.as_fd(),
+        }
+    }
+}
+
 /// An open port.
 pub(crate) struct Device {
     path: PathBuf,
-    port: SerialPort,
+    port: Port,
     gap: Duration,
     room: Box<[u8; 4096]>,
     /// How many bytes were read last.
@@ -188,8 +209,13 @@ pub(crate) struct Device {
 
 impl Device {
     pub(crate) fn open(path: &Path, options: &PortOptions) -> Result<Self, Failure> {
-        let port = serial::open_serial(path, options).map_err(|cause| Failure::of(path.display(), cause))?;
-        let gap = if serial::is_direct(path) { GAP_DIRECT } else { GAP_USB };
+        let opened = if is_url(path) {
+            Network::open(path, options).map(|network| (Port::Network(network), GAP_NETWORK))
+        } else {
+            let gap = if serial::is_direct(path) { GAP_DIRECT } else { GAP_USB };
+            serial::open_serial(path, options).map(|port| (Port::Serial(port), gap))
+        };
+        let (port, gap) = opened.map_err(|cause| Failure::of(path.display(), cause))?;
         // At low speeds, the time of some bytes.
         let gap = gap.max(Duration::from_secs(200) / options.baud);
         Ok(Self { path: path.to_owned(), port, gap: options.gap().unwrap_or(gap), room: Box::new([0; 4096]), count: 0 })
@@ -201,9 +227,11 @@ impl Device {
     }
 
     /// How long an answer may take, unless the user says how long.
-    #[expect(clippy::unused_self, reason = "it depends on the kind of port")]
     pub(crate) const fn answer_time(&self) -> Duration {
-        Duration::from_millis(250)
+        match self.port {
+            Port::Serial(_) => Duration::from_millis(250),
+            Port::Network(_) => Duration::from_secs(1),
+        }
     }
 
     /// Reads what has come, waiting for at most so long: [`bytes`](Self::bytes). `None` when nothing has, or a signal
@@ -222,7 +250,11 @@ impl Device {
         if !happened.contains(PollFlags::IN) {
             return Err(Cause::Disconnected);
         }
-        match rustix::io::read(&self.port, self.room.as_mut_slice()) {
+        let port = match &mut self.port {
+            Port::Serial(port) => port,
+            Port::Network(network) => return network.read(self.room.as_mut_slice()),
+        };
+        match rustix::io::read(port, self.room.as_mut_slice()) {
             // There was something to read, so nothing is the end.
             Ok(0) => Err(Cause::Disconnected),
             Ok(count) => Ok(count),
@@ -240,7 +272,12 @@ impl Device {
         self.try_to_write(bytes).map_err(|cause| self.failure(cause))
     }
 
-    fn try_to_write(&self, mut bytes: &[u8]) -> Result<(), Cause> {
+    fn try_to_write(&self, bytes: &[u8]) -> Result<(), Cause> {
+        let wrapped = match &self.port {
+            Port::Serial(_) => Vec::new(),
+            Port::Network(network) => network.wrapped(bytes),
+        };
+        let mut bytes = if wrapped.is_empty() { bytes } else { &wrapped };
         let began = Instant::now();
         while !bytes.is_empty() {
             match rustix::io::write(&self.port, bytes) {
@@ -265,7 +302,8 @@ impl Device {
     /// Waits until all was sent.
     pub(crate) fn drain(&mut self) -> Result<(), Failure> {
         loop {
-            match tcdrain(&self.port) {
+            let Port::Serial(port) = &self.port else { return Ok(()) };
+            match tcdrain(port) {
                 Err(Errno::INTR) => (),
                 result => return result.map_err(|error| self.failure(error.into())),
             }
@@ -285,6 +323,8 @@ impl AsFd for Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        serial::release(&self.port);
+        if let Port::Serial(port) = &self.port {
+            serial::release(port);
+        }
     }
 }
