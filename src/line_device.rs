@@ -38,19 +38,20 @@
 //! ```
 //!
 
-use core::ffi::{c_char, c_int, c_uchar, c_ulong, c_void};
-use core::ptr::null;
+use core::ffi::{c_char, c_int, c_ulong, c_void};
+use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 
 use super::line_protocol::encoder::{keep, resume};
 use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
-use super::memory::{bytes_of, int, text_of, zero};
+use super::memory::{bytes_of, duration, int, text_of, time};
+use crate::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::clock::time;
-use deltarobot_protocols::line::Value;
-use deltarobot_protocols::line::device::{DeviceHealth, DeviceLink, Input, Setup};
+use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
+use deltarobot_protocols::line::device::{DeviceLink, Health, ID_MAX, LINE_MAX, Setup};
+use deltarobot_protocols::line::{Receiver, Value};
+use zerocopy::FromBytes;
 
-mod layout;
 mod serve;
 mod table;
 
@@ -59,6 +60,7 @@ use table::{check, device_of};
 
 /// Length of the longest id that a device behind a link may have.
 pub const OLP_ID_MAX: c_int = 10;
+const _: () = assert!(OLP_ID_MAX as usize == ID_MAX);
 
 /// Executes a command: reads its parameters from command, and adds those of the answer (but for id and t, which are
 /// added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
@@ -87,7 +89,7 @@ pub type RunFunc =
 /// ```
 pub type LineSendFunc = Option<unsafe extern "C" fn(line: *const c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
 
-/// A device behind the link, as its welcome tells. The texts end with a zero byte.
+/// A device behind the link, as its welcome describes it. The texts end with a zero byte.
 #[derive(Debug)]
 #[repr(C)]
 pub struct DeviceInfo {
@@ -95,7 +97,7 @@ pub struct DeviceInfo {
     pub id: *const c_char,
     /// What it is, e.g. OzekiSwitchController.
     pub r#type: *const c_char,
-    /// Its place; 0: it is not told.
+    /// Its place; 0: it is left out.
     pub pos: c_int,
     /// Its name; NULL: it has none.
     pub name: *const c_char,
@@ -119,7 +121,7 @@ pub struct Command {
 #[derive(Debug)]
 #[repr(C)]
 pub struct DeviceTable {
-    /// The devices, at least one. The first stands for all of them where the link itself has something to tell.
+    /// The devices, at least one. The first stands for all of them in what the link itself sends.
     pub devices: *const DeviceInfo,
     /// Their number.
     pub device_count: c_int,
@@ -135,21 +137,62 @@ pub struct DeviceTable {
     pub repeat_ms: c_ulong,
 }
 
-/// The device's end of a link. Its fields are private.
+/// `unsigned long`s of a device, with some room to spare.
+pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 35;
+
+/// The device's end of a link. All zero is one that `olp_device_init` has not made yet.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Device {
-    link: DeviceLink,
-    table: *const DeviceTable,
-    usr: *mut c_void,
+    opaque: [c_ulong; OLP_DEVICE_WORDS],
+}
+state!(Device: State);
+
+/// What lies in a [`Device`].
+#[derive(FromBytes)]
+// In this order: on AVR what lies within 64 bytes takes shorter instructions.
+#[repr(C)]
+pub(crate) struct State {
+    /// Addresses of the table and of usr, which are exposed; that of the table is 0 when the device is not ready.
+    table: usize,
+    usr: usize,
     /// How many devices were welcomed.
-    welcomed: c_int,
-    input: Input,
-    /// The setup to tell by an event of its own, if `tells` is not 0.
-    own: Setup,
-    tells: c_uchar,
+    welcomed: u16,
     /// Not 0 while `olp_device_poll` runs.
-    serving: c_uchar,
+    serving: u8,
+    /// Not 0: `setup` is to be announced by an event.
+    announces: u8,
+    setup: Setup,
+    link: DeviceLink<OLP_WINDOW_MAX, OLP_REPLY_MAX>,
+    receiver: Receiver<{ LINE_MAX + 1 }>,
+}
+
+impl State {
+    const fn table(&self) -> *const DeviceTable {
+        with_exposed_provenance(self.table)
+    }
+
+    const fn usr(&self) -> *mut c_void {
+        with_exposed_provenance_mut(self.usr)
+    }
+}
+
+/// How the link does. The counters wrap at 2^32.
+#[derive(Debug)]
+#[repr(C)]
+pub struct DeviceHealth {
+    /// Commands that were received intact, repeats among them.
+    pub commands: c_ulong,
+    /// Commands that came again and were only answered again.
+    pub repeats: c_ulong,
+    /// Lines whose checksum was wrong or missing.
+    pub checksums: c_ulong,
+    /// Lines that could not be read.
+    pub malformed: c_ulong,
+    /// Lines that were too long.
+    pub overflows: c_ulong,
+    /// Commands that were refused: by their function, or because nobody knows their id or name.
+    pub refused: c_ulong,
 }
 
 /// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
@@ -158,8 +201,8 @@ pub struct Device {
 /// unchanged, as long as the device is used.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
-/// when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
-/// array has to be.
+/// when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have, or
+/// NULL where a text or an array has to be.
 ///
 /// ```c
 /// static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
@@ -169,23 +212,20 @@ pub struct Device {
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const DeviceTable, usr: *mut c_void) -> c_int {
-    if device.is_null() {
-        return OLP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: as the contract of this function asks; zero is a device that is not ready.
+    // SAFETY: Room's contract; table is NULL or what the caller says it is.
     unsafe {
-        zero(device);
-        let rc = check(table, (*device).link.room());
+        let Some(state) = Device::init(device) else { return OLP_RC_ERROR_GENERIC };
+        let rc = check(table, state.link.room());
         if rc == OLP_RC_SUCCESS {
-            (*device).table = table;
-            (*device).usr = usr;
-            (*device).link.expect_repeats_for((*table).repeat_ms);
+            state.table = table.expose_provenance();
+            state.usr = usr.expose_provenance();
+            state.link.expect_repeats_for(duration((*table).repeat_ms));
         }
         rc
     }
 }
 
-/// Begins anew, as after `olp_device_init`: to be called when another connection is made.
+/// Starts again, as after `olp_device_init`: to be called when another connection is made.
 ///
 /// device was made by `olp_device_init` or is all zero.
 ///
@@ -197,17 +237,16 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the table and usr of a device that is ready are those that olp_device_init was given.
     unsafe {
-        if !is_ready(device) {
-            return OLP_RC_ERROR_GENERIC;
+        match ready(device) {
+            Some(state) => olp_device_init(device, (*state).table(), (*state).usr()),
+            None => OLP_RC_ERROR_GENERIC,
         }
-        let (table, usr) = ((*device).table, (*device).usr);
-        olp_device_init(device, table, usr)
     }
 }
 
-/// Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
+/// Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
 /// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
 /// be unanswered, 1 to `OLP_WINDOW_MAX`.
 ///
@@ -225,17 +264,16 @@ pub unsafe extern "C" fn olp_device_linksetup(
     checksum: c_int,
     window: c_int,
 ) -> c_int {
-    let own = u16::try_from(window).ok().filter(|window| Setup::has_window(*window));
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        match own {
-            Some(window) if is_ready(device) => {
-                (*device).own = Setup::new(ack != 0, checksum != 0, window);
-                (*device).tells = 1;
-                OLP_RC_SUCCESS
-            }
-            _ => OLP_RC_ERROR_GENERIC,
+    let window = u8::try_from(window).ok().filter(|window| (1..=OLP_WINDOW_MAX).contains(&usize::from(*window)));
+    match (window, ready(device)) {
+        (Some(window), Some(state)) => {
+            // SAFETY: not NULL, and nobody else touches the device meanwhile.
+            let state = unsafe { &mut *state };
+            state.setup = Setup::new(ack != 0, checksum != 0, window);
+            state.announces = 1;
+            OLP_RC_SUCCESS
         }
+        _ => OLP_RC_ERROR_GENERIC,
     }
 }
 
@@ -258,12 +296,12 @@ pub unsafe extern "C" fn olp_device_receive(
     bytes: c_int,
     now_ms: c_ulong,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: buf is NULL or has so many bytes; the device is not NULL, and nobody else touches it meanwhile.
     unsafe {
-        match bytes_of(buf, bytes) {
-            Some(input) if is_ready(device) => {
-                (*device).link.tick(time(now_ms));
-                int((*device).input.take(input))
+        match (bytes_of(buf, bytes), ready(device)) {
+            (Some(input), Some(state)) => {
+                (*state).link.tick(time(now_ms));
+                int((*state).receiver.take(input))
             }
             _ => -OLP_RC_ERROR_GENERIC,
         }
@@ -284,17 +322,15 @@ pub unsafe extern "C" fn olp_device_receive(
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    let Some(state) = ready(device) else { return OLP_RC_ERROR_GENERIC };
+    // SAFETY: a device that is ready has a good table; serve() holds no reference to it while callbacks run.
     unsafe {
-        if !is_ready(device) {
-            return OLP_RC_ERROR_GENERIC;
-        }
-        if (*device).serving != 0 {
+        if (*state).serving != 0 {
             return OLP_RC_BUSY;
         }
-        (*device).serving = 1;
-        let rc = serve(device, time(now_ms));
-        (*device).serving = 0;
+        (*state).serving = 1;
+        let rc = serve(state, time(now_ms));
+        (*state).serving = 0;
         rc
     }
 }
@@ -317,51 +353,57 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineEncoder, id: *const c_char) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    let Some(state) = ready(device) else { return OLP_RC_ERROR_GENERIC };
+    // SAFETY: a device that is ready has a good table; id is NULL or a string, and event's buffer is still there.
     unsafe {
-        if !is_ready(device) {
-            return OLP_RC_ERROR_GENERIC;
-        }
-        let known = text_of(id).and_then(|id| device_of(&*(*device).table, Value::new(id)));
+        let table = &*(*state).table();
+        let known = text_of(id).and_then(|id| device_of(table, Value::new(id)));
         let (Some(id), Some(event)) = (known, event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
-        if (*device).welcomed < (*(*device).table).device_count {
+        if c_int::try_from((*state).welcomed).unwrap_or(c_int::MAX) < table.device_count {
             return OLP_RC_BUSY;
         }
         let Some(mut line) = resume(event) else { return event.error };
-        let written = (*device).link.finish_event(&mut line, id);
+        let written = (*state).link.finish_event(&mut line, id);
         keep(event, &line);
         let rc = event.error;
         if let Ok(length) = written {
             event.error = OLP_RC_ERROR_GENERIC;
-            send(device, event.buf.cast(), length);
+            send(state, event.buf.cast(), length);
         }
         rc
     }
 }
 
-/// How the link does.
+/// Copies how the link does.
 ///
-/// Returns counters that live and change with the device, or NULL when device is.
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
-/// const struct olp_device_health *health = olp_device_get_health(&device);
-/// printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
+/// struct olp_device_health health;
+/// if (olp_device_get_health(&device, &health) == OLP_RC_SUCCESS)
+///     printf("%lu commands, %lu of them repeated\n", health.commands, health.repeats);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_device_get_health(device: *const Device) -> *const DeviceHealth {
-    if device.is_null() {
-        return null();
-    }
-    // SAFETY: not NULL, so as the contract of this function asks.
-    unsafe { (*device).link.health() }
+pub unsafe extern "C" fn olp_device_get_health(device: *const Device, health: *mut DeviceHealth) -> c_int {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(state), Some(health)) = (unsafe { (Device::peek(device), health.as_mut()) }) else {
+        return OLP_RC_ERROR_GENERIC;
+    };
+    let Health { commands, repeats, checksums, malformed, overflows, refused } = *state.link.health();
+    *health = DeviceHealth {
+        commands: commands.into(),
+        repeats: repeats.into(),
+        checksums: checksums.into(),
+        malformed: malformed.into(),
+        overflows: overflows.into(),
+        refused: refused.into(),
+    };
+    OLP_RC_SUCCESS
 }
 
-/// Whether a device was made, so that its functions can be called.
-///
-/// # Safety
-///
-/// As for [`olp_device_poll`].
-unsafe fn is_ready(device: *const Device) -> bool {
-    // SAFETY: as the contract of this function asks.
-    unsafe { !device.is_null() && !(*device).table.is_null() }
+/// The state of a device that `olp_device_init` has made, or `None`.
+fn ready(device: *mut Device) -> Option<*mut State> {
+    let state = device.cast::<State>();
+    // SAFETY: not NULL, so it points to a device, whose room is large enough and aligned for the state.
+    (!state.is_null() && unsafe { (*state).table } != 0).then_some(state)
 }

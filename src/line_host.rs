@@ -54,20 +54,20 @@
 //! commands are repeated only when the device asks for it, or the settings say that it recognises repeats. The order in
 //! which commands are carried out is that of sending while the window is 1; in a larger one, repeated ones fall behind.
 
-use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
-use core::ptr::{from_ref, null};
+use core::ffi::{c_char, c_int, c_long, c_uint, c_ulong, c_void};
 
 use super::line_protocol::{
     OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
     OLP_RC_TOO_LONG,
 };
-use super::memory::{bytes_of, fill, int, long, text_of, zero};
+use super::memory::{bytes_of, duration, fill, int, long, short, text_of, time, zero};
+use crate::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::clock::time;
-use deltarobot_protocols::line::host::{Device, Health, Host, Link, QueueError, Settings};
+use crate::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
+use deltarobot_protocols::line::host::{self, QueueError};
+use deltarobot_protocols::session::RoundTrips;
 
 pub mod event;
-mod layout;
 
 use event::{LineHostEvent, write_event};
 
@@ -79,6 +79,111 @@ pub const OLP_HOST_TYPE_MAX: c_int = 47;
 pub const OLP_HOST_NAME_MAX: c_int = 31;
 /// Longest version of a device that is kept whole.
 pub const OLP_HOST_VERSION_MAX: c_int = 15;
+
+/// `unsigned long`s of a session, with some room to spare.
+pub const OLP_HOST_WORDS: usize = OLP_LINE_MAX / 4 + 27 * OLP_WINDOW_MAX + 31 * OLP_DEVICES_MAX + 130;
+
+/// A host session. All zero is a new one with default settings.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Host {
+    opaque: [c_ulong; OLP_HOST_WORDS],
+}
+state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, OLP_WINDOW_MAX, OLP_DEVICES_MAX>);
+
+/// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Settings {
+    /// How long an ack may take; 0: 500. (The page gives no times.)
+    pub timeout_ms: c_ulong,
+    /// How long an answer may take, from when the command was sent last; 0: as long as an ack.
+    pub answer_ms: c_ulong,
+    /// How long after a command was sent first it may still be retransmitted; 0: 2000. For longer than this, and the
+    /// time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 3000
+    /// by default).
+    pub repeat_ms: c_ulong,
+    /// How often a command may be retransmitted; 0: 3; below 0: never.
+    pub repeats: c_int,
+    /// Not 0: the device recognises repeated commands, so that they are retransmitted without acks too.
+    pub recognises: c_int,
+}
+
+/// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
+/// one command at a time (section "Link Setup command").
+#[derive(Debug)]
+#[repr(C)]
+pub struct Link {
+    /// 1: the device acknowledges commands; else 0.
+    pub ack: c_int,
+    /// 1: commands have a Fletcher-16 checksum; else 0.
+    pub checksum: c_int,
+    /// Number of commands that may be unanswered, 1 to 65535. No more than `OLP_WINDOW_MAX` ever are.
+    pub windowsize: c_uint,
+}
+
+/// Counters of a host session since it began; they wrap at 2^32.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Health {
+    /// Lines received that can be read.
+    pub lines: c_ulong,
+    /// Of these, acks, answers and refusals that nothing was waiting for.
+    pub strays: c_ulong,
+    /// Lines that can't be read.
+    pub malformed: c_ulong,
+    /// Lines that were too long.
+    pub overlong: c_ulong,
+    /// Messages that the device has sent, as the gaps in their numbers show, and that were not received.
+    pub lost: c_ulong,
+    /// Errors that the device has reported.
+    pub errors: c_ulong,
+    /// Times that the device restarted.
+    pub restarts: c_ulong,
+    /// Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first.
+    pub overflows: c_ulong,
+    /// Acks and answers that did not come in time.
+    pub timeouts: c_ulong,
+    /// Commands that were retransmitted, because of that or because the device has asked for it.
+    pub repeats: c_ulong,
+    /// Number of round trips measured: from a command that was sent once to what came back first. Times in
+    /// milliseconds.
+    pub rtt_count: c_ulong,
+    /// The last round-trip time.
+    pub rtt_last: c_ulong,
+    /// The shortest round-trip time.
+    pub rtt_min: c_ulong,
+    /// The longest round-trip time.
+    pub rtt_max: c_ulong,
+    /// Sum of the round-trip times: divided by `rtt_count`, their average.
+    pub rtt_sum: c_ulong,
+}
+
+const ID_SIZE: usize = host::ID_MAX + 1;
+const TYPE_SIZE: usize = host::TYPE_MAX + 1;
+const NAME_SIZE: usize = host::NAME_MAX + 1;
+const VERSION_SIZE: usize = host::VERSION_MAX + 1;
+const _: () = assert!(OLP_HOST_ID_MAX as usize == host::ID_MAX && OLP_HOST_TYPE_MAX as usize == host::TYPE_MAX);
+const _: () =
+    assert!(OLP_HOST_NAME_MAX as usize == host::NAME_MAX && OLP_HOST_VERSION_MAX as usize == host::VERSION_MAX);
+
+/// A device. Its texts are decoded and end with a 0; those it did not give are empty.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Device {
+    /// What it is called in messages.
+    pub id: [c_char; ID_SIZE],
+    /// What it is, e.g. `OzekiSwitchController`.
+    pub r#type: [c_char; TYPE_SIZE],
+    /// What its user calls it.
+    pub name: [c_char; NAME_SIZE],
+    /// Its version.
+    pub version: [c_char; VERSION_SIZE],
+    /// Its place among the devices behind the microcontroller; 0 when it did not give one.
+    pub pos: c_int,
+    /// Not 0: its type, name or version is longer than there is room, and was cut off.
+    pub cut: c_int,
+}
 
 /// Begins a session. Memory that is all zero is one too, with the default settings.
 ///
@@ -93,15 +198,19 @@ pub const OLP_HOST_VERSION_MAX: c_int = 15;
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
-    if host.is_null() {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), settings) = (unsafe { (Host::init(host), settings.as_ref()) }) else {
         return OLP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: as the contract of this function asks; zero is a session.
-    unsafe {
-        zero(host);
-        if let Some(settings) = settings.as_ref() {
-            (*host).set(settings);
-        }
+    };
+    if let Some(settings) = settings {
+        let Settings { timeout_ms, answer_ms, repeat_ms, repeats, recognises } = *settings;
+        host.set(host::Settings {
+            timeout_ms: duration(timeout_ms),
+            answer_ms: duration(answer_ms),
+            repeat_ms: duration(repeat_ms),
+            repeats: short(repeats),
+            recognises: (recognises != 0).into(),
+        });
     }
     OLP_RC_SUCCESS
 }
@@ -135,7 +244,7 @@ pub unsafe extern "C" fn olp_host_setup(
     let window = u16::try_from(windowsize).ok();
     // SAFETY: as the contract of this function asks.
     let (Some(host), Some(id), true) =
-        (unsafe { host.as_mut() }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
+        (unsafe { Host::get(host) }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
     else {
         return OLP_RC_ERROR_GENERIC.wrapping_neg();
     };
@@ -173,7 +282,7 @@ pub unsafe extern "C" fn olp_host_send(
     id: *const c_char,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    match unsafe { (host.as_mut(), bytes_of(command.cast(), length), text_of(id)) } {
+    match unsafe { (Host::get(host), bytes_of(command.cast(), length), text_of(id)) } {
         (Some(host), Some(command), Some(id)) => handle(host.send(command, id)),
         _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
     }
@@ -193,7 +302,7 @@ pub unsafe extern "C" fn olp_host_send(
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    match unsafe { (host.as_mut(), bytes_of(buf, bytes)) } {
+    match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
         _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
     }
@@ -217,7 +326,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }).filter(|_| !event.is_null()) else {
+    let Some(host) = (unsafe { Host::get(host) }).filter(|_| !event.is_null()) else {
         return OLP_RC_ERROR_GENERIC;
     };
     // SAFETY: event is not NULL.
@@ -231,7 +340,7 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
                 OLP_RC_SUCCESS
             }
         };
-        link_to(&raw mut (*event).link, host);
+        (*event).link = link_of(host.link());
         happened
     }
 }
@@ -251,7 +360,7 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_mut() }) else {
+    let Some(host) = (unsafe { Host::get(host) }) else {
         return OLP_RC_ERROR_GENERIC.wrapping_neg();
     };
     // SAFETY: as the contract of this function asks.
@@ -270,11 +379,11 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
     // SAFETY: as the contract of this function asks.
-    let left = unsafe { host.as_ref() }.and_then(|host| host.next_deadline(time(now_ms)));
+    let left = unsafe { Host::peek(host) }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }
 
-/// What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
+/// What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
 /// nor checksums, and a window of 1.
 ///
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -287,16 +396,16 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_ref() }).filter(|_| !link.is_null()) else {
+    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !link.is_null()) else {
         return OLP_RC_ERROR_GENERIC;
     };
     // SAFETY: link is not NULL.
-    unsafe { link_to(link, host) };
+    unsafe { *link = link_of(host.link()) };
     OLP_RC_SUCCESS
 }
 
 /// Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
-/// change, and it stays there when the microcontroller starts anew.
+/// change, and it stays there when the microcontroller restarts.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -309,58 +418,93 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { host.as_ref() }).filter(|_| !device.is_null()) else {
+    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !device.is_null()) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    let Some(found) = usize::try_from(index).ok().and_then(|index| host.device(index)) else {
+    let Some(found) = usize::try_from(index).ok().and_then(|index| host.devices().get(index)) else {
         return OLP_RC_NOT_FOUND;
     };
-    let (from, to) = (from_ref(found).cast::<u8>(), device.cast::<u8>());
-    for place in 0..size_of::<Device>() {
-        // SAFETY: both have this size, and no padding: see above.
-        unsafe { to.add(place).write(from.add(place).read()) };
-    }
-    // SAFETY: as the contract of this function asks; all of it was written just now.
-    unsafe { (*device).end_texts() };
+    let host::Device { id, r#type, name, version, pos, cut } = found;
+    // SAFETY: device is not NULL.
+    let device = unsafe { &mut *device };
+    copy_text(id, &mut device.id);
+    copy_text(r#type, &mut device.r#type);
+    copy_text(name, &mut device.name);
+    copy_text(version, &mut device.version);
+    device.pos = c_int::try_from(*pos).unwrap_or_default();
+    device.cut = (*cut).into();
     OLP_RC_SUCCESS
 }
 
-/// How the link does.
+/// Copies how the link does.
 ///
-/// Returns counters that live and change with the session, or NULL when host is.
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
-/// const struct olp_host_health *health = olp_host_get_health(&host);
-/// if (health->rtt_count > 0)
-///     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+/// struct olp_host_health health;
+/// if (olp_host_get_health(&host, &health) == OLP_RC_SUCCESS && health.rtt_count > 0)
+///     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_health(host: *const Host) -> *const Health {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { host.as_ref() } {
-        Some(host) => host.health(),
-        None => null(),
-    }
+pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
+        return OLP_RC_ERROR_GENERIC;
+    };
+    let host::Health {
+        lines,
+        strays,
+        malformed,
+        overlong,
+        lost,
+        errors,
+        restarts,
+        overflows,
+        timeouts,
+        repeats,
+        round_trips: RoundTrips { count, last, min, max, sum },
+    } = *host.health();
+    *health = Health {
+        lines: lines.into(),
+        strays: strays.into(),
+        malformed: malformed.into(),
+        overlong: overlong.into(),
+        lost: lost.into(),
+        errors: errors.into(),
+        restarts: restarts.into(),
+        overflows: overflows.into(),
+        timeouts: timeouts.into(),
+        repeats: repeats.into(),
+        rtt_count: count.into(),
+        rtt_last: last.into(),
+        rtt_min: min.into(),
+        rtt_max: max.into(),
+        rtt_sum: sum.into(),
+    };
+    OLP_RC_SUCCESS
 }
 
-fn handle(queued: Result<c_int, QueueError>) -> c_int {
+fn handle(queued: Result<u16, QueueError>) -> c_int {
     match queued {
-        Ok(handle) => handle,
+        Ok(handle) => c_int::try_from(handle).unwrap_or_default(),
         Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
         Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
         Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),
     }
 }
 
-/// # Safety
-///
-/// out points to writable memory of its size and alignment.
-unsafe fn link_to(out: *mut Link, host: &Host) {
-    let link = host.link();
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        (*out).ack = link.ack;
-        (*out).checksum = link.checksum;
-        (*out).windowsize = link.windowsize;
+fn link_of(link: host::Link) -> Link {
+    Link { ack: link.acks().into(), checksum: link.checks().into(), windowsize: link.windowsize().into() }
+}
+
+/// Copies a text, which ends in C whatever the session's memory was overwritten with.
+#[expect(clippy::cast_possible_wrap, reason = "the bytes of a char")]
+#[allow(clippy::unnecessary_cast, reason = "where a char has no sign")]
+fn copy_text<const SIZE: usize>(text: &[u8; SIZE], out: &mut [c_char; SIZE]) {
+    for (place, byte) in out.iter_mut().zip(text) {
+        *place = *byte as c_char;
+    }
+    if let Some(last) = out.last_mut() {
+        *last = 0;
     }
 }

@@ -61,6 +61,12 @@ pub(super) fn short(number: c_int) -> i16 {
     i16::try_from(number).unwrap_or(if number < 0 { i16::MIN } else { i16::MAX })
 }
 
+/// An int, which may have 16 bits.
+#[allow(clippy::useless_conversion, reason = "where it has 32")]
+pub(super) fn number(number: c_int) -> i32 {
+    number.into()
+}
+
 /// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
 ///
 /// # Safety

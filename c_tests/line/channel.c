@@ -431,6 +431,7 @@ static int is_overdue(void)
 static void run_once(unsigned long run)
 {
     unsigned long next_act = 0, next_event, next_restart = 0;
+    struct olp_host_health health;
 
     choose(run);
     next_event = below(500);
@@ -472,7 +473,8 @@ static void run_once(unsigned long run)
     }
     if (!wrong)
         judge();
-    sum->repeats += (long)olp_host_get_health(host)->repeats;
+    olp_host_get_health(host, &health);
+    sum->repeats += (long)health.repeats;
     sum->forged_runs += forged;
     end_run(run, is_damaged());
 }

@@ -30,7 +30,7 @@ static void commands_are_executed_and_answered(void)
 
 static void what_cannot_be_executed_is_an_error(void)
 {
-    char line[80];
+    char line[81];
 
     begin();
     CHECK(answers("c=setswitch&state=1&t=5&id=nobody\n", "c=onerror&code=unknownid&t=5&id=nobody\n"));
@@ -51,22 +51,22 @@ static void what_cannot_be_executed_is_an_error(void)
     CHECK(answers("c=setswitch&state=1&t=256&id=" ID "\n", "c=onerror&code=malformed&t=14&id=IDMANG\n"));
     CHECK(answers("c=setswitch&state=1&t=&id=" ID "\n", "c=onerror&code=malformed&t=15&id=IDMANG\n"));
     memset(line, 'x', sizeof line);
-    line[63] = '\n';
-    receive(line, 64);
+    line[79] = '\n';
+    receive(line, 80);
     CHECK(is_sent("c=onerror&code=malformed&t=16&id=IDMANG\n"));
-    line[63] = 'x';
-    line[64] = '\n';
-    receive(line, 65);
+    line[79] = 'x';
+    line[80] = '\n';
+    receive(line, 81);
     CHECK(is_sent("c=onerror&code=overflow&t=17&id=IDMANG\n"));
     /* 63 bytes, the end not counted. */
     CHECK(answers("c=greet&text=yyyyyyyyyyyyyyyyyyyyyyyyyyyy&zzzzzz&t=18&id=" ID "\r\n",
                   "c=greet_resp&text=yyyyyyyyyyyyyyyyyyyyyyyyyyyy&id=" ID "&t=19\n"));
-    CHECK_INT(olp_device_get_health(&device)->commands, 9);
-    CHECK_INT(olp_device_get_health(&device)->repeats, 1);
-    CHECK_INT(olp_device_get_health(&device)->refused, 7);
-    CHECK_INT(olp_device_get_health(&device)->malformed, 5);
-    CHECK_INT(olp_device_get_health(&device)->overflows, 1);
-    CHECK_INT(olp_device_get_health(&device)->checksums, 0);
+    CHECK_INT(health().commands, 9);
+    CHECK_INT(health().repeats, 1);
+    CHECK_INT(health().refused, 7);
+    CHECK_INT(health().malformed, 5);
+    CHECK_INT(health().overflows, 1);
+    CHECK_INT(health().checksums, 0);
 }
 
 static void acks_come_first(void)
@@ -107,7 +107,7 @@ static void checksums_in_force_are_needed(void)
     CHECK_INT(board.executed, 0);
     CHECK(answers("c=setswitch&state=1&t=11&id=" ID "&s=A3D6\n", IS_ON));
     CHECK_INT(board.executed, 1);
-    CHECK_INT(olp_device_get_health(&device)->checksums, 7);
+    CHECK_INT(health().checksums, 7);
 
     /* A host that was restarted gets through: with a checksum at once, without when it repeats. */
     CHECK(answers_checked("c=linksetup&ack=on&t=0&id=" ID,

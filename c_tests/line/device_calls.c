@@ -252,9 +252,11 @@ static void damaged_devices_do_no_harm(void)
     for (i = 0; i < sizeof FILLS; ++i) {
         memset(&guarded, 0xA5, sizeof guarded);
         CHECK_INT(olp_device_init(&guarded.device, &TABLE, &usr_object), OLP_RC_SUCCESS);
-        memset(&guarded.device.link, FILLS[i], sizeof guarded.device.link);
-        memset(&guarded.device.input, FILLS[i], sizeof guarded.device.input);
-        guarded.device.welcomed = FILLS[i] & 1 ? INT_MAX : INT_MIN;
+        /* All but the addresses of the table and of usr. */
+        for (k = 0; k < sizeof guarded.device / sizeof *guarded.device.opaque; ++k)
+            if (guarded.device.opaque[k] != (unsigned long)&TABLE &&
+                guarded.device.opaque[k] != (unsigned long)&usr_object)
+                memset(&guarded.device.opaque[k], FILLS[i], sizeof *guarded.device.opaque);
         for (k = 0; k < 20; ++k) {
             olp_device_receive(&guarded.device, SET_ON, (int)strlen(SET_ON), now);
             olp_device_poll(&guarded.device, now);
@@ -297,6 +299,15 @@ static void bad_tables_are_refused(void)
         info.id = BAD_IDS[i];
         CHECK_INT(init_with(&info, 1), OLP_RC_ERROR_GENERIC);
     }
+    CHECK_INT(init_with(&DEVICES[1], 1), OLP_RC_SUCCESS);
+    {
+        struct olp_device_info twins[3];
+        twins[0] = DEVICES[0];
+        twins[1] = DEVICES[1];
+        twins[2] = DEVICES[0];
+        CHECK_INT(init_with(twins, 2), OLP_RC_SUCCESS);
+        CHECK_INT(init_with(twins, 3), OLP_RC_ERROR_GENERIC);
+    }
     info.id = "1234567890";
     CHECK_INT((int)strlen(info.id), OLP_ID_MAX);
     CHECK_INT(init_with(&info, 1), OLP_RC_SUCCESS);
@@ -336,6 +347,7 @@ static void bad_tables_are_refused(void)
 
 static void bad_arguments_are_refused(void)
 {
+    struct olp_device_health counters;
     struct olp_encoder encoder;
 
     begin();
@@ -355,14 +367,15 @@ static void bad_arguments_are_refused(void)
     CHECK_INT(olp_device_restart(&device), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_linksetup(&device, 1, 1, 1), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_event(&device, &encoder, ID), OLP_RC_ERROR_GENERIC);
-    CHECK_INT(olp_device_get_health(&device)->commands, 0);
+    CHECK_INT(health().commands, 0);
 
     CHECK_INT(olp_device_receive(NULL, "x", 1, now), -OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_poll(NULL, now), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_restart(NULL), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_linksetup(NULL, 1, 1, 1), OLP_RC_ERROR_GENERIC);
     CHECK_INT(olp_device_event(NULL, &encoder, ID), OLP_RC_ERROR_GENERIC);
-    CHECK(olp_device_get_health(NULL) == NULL);
+    CHECK_INT(olp_device_get_health(NULL, &counters), OLP_RC_ERROR_GENERIC);
+    CHECK_INT(olp_device_get_health(&device, NULL), OLP_RC_ERROR_GENERIC);
 }
 
 int main(void)

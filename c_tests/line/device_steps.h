@@ -20,6 +20,14 @@ static struct {
     const char *bad; /* what is wrong with the answer */
 } board;
 
+static struct olp_device_health health(void)
+{
+    struct olp_device_health counters;
+    memset(&counters, 0xA5, sizeof counters);
+    CHECK_INT(olp_device_get_health(&device, &counters), OLP_RC_SUCCESS);
+    return counters;
+}
+
 static int send_line(const void *line, int bytes, void *usr)
 {
     CHECK(usr == &usr_object);

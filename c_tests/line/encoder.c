@@ -93,8 +93,8 @@ static void stays(int code)
 
 static void refusals(void)
 {
-    static const char *const NAMES[] = {"", "X", "a_b", "a b", "a=", "\xE4", "id\n"};
-    static const char *const COMMANDS[] = {"", "Go", "a b", "a&b", "a-b", "a%41", "\xE4"};
+    static const char *const NAMES[] = {"", "s", "a-b", "a b", "a=", "\xE4", "id\n"};
+    static const char *const COMMANDS[] = {"", "G.o", "a b", "a&b", "a-b", "a%41", "\xE4"};
     static const char *const VALUES[] = {"&", "a\n", "\r", "%", "%4", "%4x", "ab%"};
     size_t i;
 
@@ -103,6 +103,14 @@ static void refusals(void)
         CHECK_INT(olp_add_int(&line, NAMES[i], 1), OLP_RC_NAME);
         stays(OLP_RC_NAME);
     }
+    /* As boards use them. */
+    begin("Set_2");
+    CHECK_INT(olp_add_int(&line, "Id", 1), OLP_RC_SUCCESS);
+    CHECK_INT(olp_add_int(&line, "num_blocks", 2), OLP_RC_SUCCESS);
+    is_line(0, "c=Set_2&Id=1&num_blocks=2\n");
+    CHECK_INT(olp_begin_command(&line, out, (int)sizeof out, "x"), OLP_RC_SUCCESS);
+    CHECK_INT(olp_add_int(&line, "s", 1), OLP_RC_NAME);
+    stays(OLP_RC_NAME);
     for (i = 0; i < sizeof COMMANDS / sizeof *COMMANDS; ++i) {
         CHECK_INT(olp_begin(&line, out, (int)sizeof out, COMMANDS[i]), OLP_RC_NAME);
         stays(OLP_RC_NAME);

@@ -61,10 +61,10 @@ static void sample_conversation(int chunk)
         CHECK(!strcmp(known.id, "OZPDSC") && !strcmp(known.name, "") && known.pos == 0 && known.cut == 0);
     }
     CHECK_INT(olp_host_get_device(&host, OLP_DEVICES_MAX < 8 ? OLP_DEVICES_MAX : 8, &known), OLP_RC_NOT_FOUND);
-    CHECK_INT(olp_host_get_health(&host)->lost, 0);
-    CHECK_INT(olp_host_get_health(&host)->strays, 0);
-    CHECK_INT(olp_host_get_health(&host)->lines, 28);
-    CHECK_INT(olp_host_get_health(&host)->rtt_count, 3);
+    CHECK_INT(health().lost, 0);
+    CHECK_INT(health().strays, 0);
+    CHECK_INT(health().lines, 28);
+    CHECK_INT(health().rtt_count, 3);
 }
 
 static void acks_and_checksums(void)
@@ -105,7 +105,7 @@ static void acks_and_checksums(void)
     CHECK(tells_nothing());
     comes("c=ack&checksum=64a8&t=4&t=4&id=9o5qzg");
     CHECK(tells_nothing());
-    CHECK_INT(olp_host_get_health(&host)->strays, 5);
+    CHECK_INT(health().strays, 5);
     pass(500);
     CHECK(sends("c=setswitch&state=1&t=4&id=9o5qzg&s=64a8\n"));
     acks_last();
@@ -120,8 +120,8 @@ static void acks_and_checksums(void)
     CHECK(has_line("c=setswitch_resp&state=1&id=9o5qzg&t=6"));
     comes("c=setswitch_resp&state=1&id=9o5qzg&t=6");
     CHECK(tells(OLP_HOST_LINE));
-    CHECK_INT(olp_host_get_health(&host)->repeats, 1);
-    CHECK_INT(olp_host_get_health(&host)->timeouts, 1);
+    CHECK_INT(health().repeats, 1);
+    CHECK_INT(health().timeouts, 1);
 }
 
 static void repeats_and_times_out(void)
@@ -142,8 +142,8 @@ static void repeats_and_times_out(void)
     CHECK(ended(handle, OLP_HOST_TIMED_OUT));
     CHECK_INT(event.message.length, 0);
     CHECK_INT(olp_host_next_deadline(&host, now), -1);
-    CHECK_INT(olp_host_get_health(&host)->timeouts, 4);
-    CHECK_INT(olp_host_get_health(&host)->repeats, 3);
+    CHECK_INT(health().timeouts, 4);
+    CHECK_INT(health().repeats, 3);
 
     /* Acknowledged, but not answered: repeated too. */
     handle = asks(SWITCH_ON, "9o5qzg");
@@ -171,7 +171,7 @@ static void repeats_and_times_out(void)
         CHECK(tells_nothing());
         CHECK_INT(olp_host_receive(&host, BOTH + taken, (int)sizeof BOTH - 1 - taken, now), sizeof BOTH - 1 - taken);
         CHECK(ended(handle, OLP_HOST_ANSWERED));
-        CHECK_INT(olp_host_get_health(&host)->overflows, 2);
+        CHECK_INT(health().overflows, 2);
     }
 
     /* None of it, where the caller wants none. */
@@ -212,7 +212,7 @@ static void without_acks(void)
     CHECK(tells(OLP_HOST_ERROR));
     CHECK_INT(event.handle, 0);
     CHECK(sends(""));
-    CHECK_INT(olp_host_get_health(&host)->errors, 2);
+    CHECK_INT(health().errors, 2);
 
     /* With several, nobody knows which, unless the device recognises what it has done. */
     for (recognises = 0; recognises < 2; ++recognises) {

@@ -34,6 +34,14 @@ static void begin(void)
     begin_with(0, 0);
 }
 
+static struct olp_host_health health(void)
+{
+    struct olp_host_health counters;
+    memset(&counters, 0xA5, sizeof counters);
+    CHECK_INT(olp_host_get_health(&host, &counters), OLP_RC_SUCCESS);
+    return counters;
+}
+
 static void pass(unsigned long ms)
 {
     now = (now + ms) & 0xFFFFFFFFul;

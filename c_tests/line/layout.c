@@ -30,13 +30,6 @@ AT(olp_encoder, length, POINTER + INT);
 AT(olp_encoder, error, POINTER + 2 * INT);
 SAME(sizeof(struct olp_encoder), UP(POINTER + 3 * INT, void *));
 
-AT(olp_assembly, used, 0);
-AT(olp_assembly, overlong, INT);
-SAME(sizeof(struct olp_assembly), 2 * INT);
-AT(olp_receiver, assembly, 0);
-AT(olp_receiver, line, 2 * INT);
-SAME(sizeof(struct olp_receiver), 2 * INT + UP(OLP_LINE_MAX + 1, int));
-
 /* --- line_host.h --- */
 
 AT(olp_host_settings, timeout_ms, 0);
@@ -75,14 +68,6 @@ AT(olp_host_device, version, 16 + 48 + 32);
 AT(olp_host_device, pos, 16 + 48 + 32 + 16);
 AT(olp_host_device, cut, 16 + 48 + 32 + 16 + INT);
 SAME(sizeof(struct olp_host_device), 16 + 48 + 32 + 16 + 2 * INT);
-SAME(sizeof(struct olp_host_devices), UP(OLP_DEVICES_MAX * (sizeof(struct olp_host_device) + 1), int) + INT);
-
-SAME(sizeof(struct olp_host_recent), SHORT + 2);
-SAME(sizeof(struct olp_host_counter), 64 * (SHORT + 2) + INT + 4);
-SAME(sizeof(struct olp_host_slot), UP(2 * LONG + 5 * INT + SHORT + 8 + 54, unsigned long));
-AT(olp_host, receiver, 0);
-AT(olp_host, session, UP(sizeof(struct olp_receiver), unsigned long));
-SAME(sizeof(struct olp_host), UP(offsetof(struct olp_host, session) + sizeof(struct olp_host_session), unsigned long));
 
 AT(olp_host_event, kind, 0);
 AT(olp_host_event, handle, INT);
@@ -124,21 +109,22 @@ AT(olp_device_health, overflows, 4 * LONG);
 AT(olp_device_health, refused, 5 * LONG);
 SAME(sizeof(struct olp_device_health), 6 * LONG);
 
-SAME(sizeof(struct olp_device_answer), UP(LONG + INT + 2 + OLP_REPLY_MAX, long));
-SAME(sizeof(struct olp_device_answers), UP(OLP_WINDOW_MAX * sizeof(struct olp_device_answer) + 2, long));
-SAME(sizeof(struct olp_device_link), UP(sizeof(struct olp_device_answers) + 7 * LONG + INT + 4, long));
-SAME(sizeof(struct olp_device_input), UP(2 * INT + 1 + OLP_COMMAND_MAX, int));
-SAME(sizeof(struct olp_device), UP(UP(sizeof(struct olp_device_link), void *) + 2 * POINTER + INT +
-                                       sizeof(struct olp_device_input) + 5,
-                                   struct olp_device));
+/* --- what only the library looks into --- */
+
+SAME(sizeof(struct olp_receiver), OLP_RECEIVER_WORDS * LONG);
+SAME(sizeof(struct olp_host), OLP_HOST_WORDS * LONG);
+SAME(sizeof(struct olp_device), OLP_DEVICE_WORDS * LONG);
 
 int main(void)
 {
     /* What the assertions above say of this compiler, the library was built with. */
-    struct olp_receiver receiver;
-    memset(&receiver, 0xFF, sizeof receiver);
-    CHECK_INT(olp_receiver_init(&receiver), OLP_RC_SUCCESS);
-    CHECK_INT(receiver.assembly.used, 0);
-    CHECK_INT(receiver.assembly.overlong, 0);
+    struct olp_host_device device;
+    struct olp_host host;
+    memset(&device, 0xFF, sizeof device);
+    memset(&host, 0, sizeof host);
+    olp_host_receive(&host, "c=welcome&id=a&type=b&pos=3\n", 28, 0);
+    olp_host_next_deadline(&host, 0);
+    CHECK_INT(olp_host_get_device(&host, 0, &device), OLP_RC_NOT_FOUND);
+    CHECK_INT(device.pos, -1);
     return check_summary("line_layout");
 }

@@ -302,7 +302,7 @@ static void converse(void)
 
 int main(int argc, char **argv)
 {
-    const struct olp_host_health *health;
+    struct olp_host_health health;
 
     if (argc != 2) {
         fprintf(stderr, "usage: pc DEVICE\n");
@@ -316,11 +316,11 @@ int main(int argc, char **argv)
     began = now_ms();
     olp_host_init(&session, NULL);
     converse();
-    health = olp_host_get_health(&session);
-    expect(health->lost == 0 && health->overlong == 0 && health->malformed == 0, "no line lost");
+    olp_host_get_health(&session, &health);
+    expect(health.lost == 0 && health.overlong == 0 && health.malformed == 0, "no line lost");
     printf("\n%lu lines received, %lu commands repeated, %lu lines lost, %lu ms for the slowest round trip, in %.1f s; "
            "%d expectations, %d not met: %s\n",
-           health->lines, health->repeats, health->lost, health->rtt_max, (double)now_ms() / 1000, expected, failed,
+           health.lines, health.repeats, health.lost, health.rtt_max, (double)now_ms() / 1000, expected, failed,
            failed ? "FAILED" : "all as expected");
     dp_serial_close(&port);
     return failed ? 1 : 0;

@@ -67,72 +67,15 @@ extern "C" {
 
 /** Length of the longest id that a device behind a link may have. */
 #define OLP_ID_MAX 10
+/** `unsigned long`s of a device, with some room to spare. */
+#define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 35)
 
-/** The answer to a command. Its fields are private. */
-struct olp_device_answer {
-  /** When the command was executed, or repeated last. */
-  unsigned long since;
-  /** The command's checksum. */
-  unsigned int sum;
-  /** The command's t. */
-  unsigned char t;
-  /** Length of the answer; 0 when there is none. */
-  unsigned char length;
-  /** The answer, a line with its LF. */
-  unsigned char text[OLP_REPLY_MAX];
+/** The device's end of a link. All zero is one that `olp_device_init` has not made yet. */
+struct olp_device {
+  unsigned long opaque[OLP_DEVICE_WORDS];
 };
 
-/** The answers to the last commands. Its fields are private; all zero is one without any. */
-struct olp_device_answers {
-  struct olp_device_answer slots[OLP_WINDOW_MAX];
-  unsigned char newest;
-  /** Not 0: the newest command has just been executed, which may have taken longer than the time in it says. */
-  unsigned char fresh;
-};
-
-/** How the link does. The counters wrap. */
-struct olp_device_health {
-  /** Commands that were received intact, repeats among them. */
-  unsigned long commands;
-  /** Commands that came again and were only answered again. */
-  unsigned long repeats;
-  /** Lines whose checksum was wrong or missing. */
-  unsigned long checksums;
-  /** Lines that could not be read. */
-  unsigned long malformed;
-  /** Lines that were too long. */
-  unsigned long overflows;
-  /** Commands that were refused: by their function, or because nobody knows their id or name. */
-  unsigned long refused;
-};
-
-/**
- * What a link does. Its fields are private; all zero is how each begins: no acks, no checksums, one command at a time.
- */
-struct olp_device_setup {
-  unsigned char ack;
-  unsigned char checksum;
-  /** Commands that may be unanswered; 0 stands for 1. */
-  unsigned char window;
-};
-
-/** What is known of the link. Its fields are private; all zero is one that has just been connected. */
-struct olp_device_link {
-  struct olp_device_answers answers;
-  struct olp_device_health health;
-  /** For how many milliseconds repeats are expected; 0 stands for 3000. */
-  unsigned long repeat_ms;
-  /**
-   * The checksum of the linksetup that was refused last for want of one; 0, which no line has, when another came
-   * after it.
-   */
-  unsigned int doubted;
-  struct olp_device_setup setup;
-  /** The t of the next message. */
-  unsigned char next;
-};
-
-/** A device behind the link, as its welcome tells. The texts end with a zero byte. */
+/** A device behind the link, as its welcome describes it. The texts end with a zero byte. */
 struct olp_device_info {
   /**
    * 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
@@ -140,7 +83,7 @@ struct olp_device_info {
   const char *id;
   /** What it is, e.g. OzekiSwitchController. */
   const char *type;
-  /** Its place; 0: it is not told. */
+  /** Its place; 0: it is left out. */
   int pos;
   /** Its name; NULL: it has none. */
   const char *name;
@@ -191,7 +134,7 @@ typedef int (*olp_send_func_t)(const void *line, int bytes, void *usr);
 
 /** What is behind a link, and how to send to its other end. */
 struct olp_device_table {
-  /** The devices, at least one. The first stands for all of them where the link itself has something to tell. */
+  /** The devices, at least one. The first stands for all of them in what the link itself sends. */
   const struct olp_device_info *devices;
   /** Their number. */
   int device_count;
@@ -209,27 +152,20 @@ struct olp_device_table {
   unsigned long repeat_ms;
 };
 
-/** The line that is being received: one at a time, as long as a command may be. Its fields are private. */
-struct olp_device_input {
-  struct olp_assembly assembly;
-  /** What was received: 0 nothing yet, the length of a line, or 255: one that was too long. */
-  unsigned char received;
-  unsigned char line[OLP_COMMAND_MAX];
-};
-
-/** The device's end of a link. Its fields are private. */
-struct olp_device {
-  struct olp_device_link link;
-  const struct olp_device_table *table;
-  void *usr;
-  /** How many devices were welcomed. */
-  int welcomed;
-  struct olp_device_input input;
-  /** The setup to tell by an event of its own, if `tells` is not 0. */
-  struct olp_device_setup own;
-  unsigned char tells;
-  /** Not 0 while `olp_device_poll` runs. */
-  unsigned char serving;
+/** How the link does. The counters wrap at 2^32. */
+struct olp_device_health {
+  /** Commands that were received intact, repeats among them. */
+  unsigned long commands;
+  /** Commands that came again and were only answered again. */
+  unsigned long repeats;
+  /** Lines whose checksum was wrong or missing. */
+  unsigned long checksums;
+  /** Lines that could not be read. */
+  unsigned long malformed;
+  /** Lines that were too long. */
+  unsigned long overflows;
+  /** Commands that were refused: by their function, or because nobody knows their id or name. */
+  unsigned long refused;
 };
 
 /**
@@ -239,8 +175,8 @@ struct olp_device {
  * unchanged, as long as the device is used.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
- * when device or table is NULL, or the table has no device, no `send`, an id that can't be, or NULL where a text or an
- * array has to be.
+ * when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have, or
+ * NULL where a text or an array has to be.
  *
  * ```c
  * static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
@@ -253,7 +189,7 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
     OLP_SIZED("olp_device_init");
 
 /**
- * Begins anew, as after `olp_device_init`: to be called when another connection is made.
+ * Starts again, as after `olp_device_init`: to be called when another connection is made.
  *
  * device was made by `olp_device_init` or is all zero.
  *
@@ -267,7 +203,7 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
 int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart");
 
 /**
- * Has the device settle the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
+ * Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
  * (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
  * be unanswered, 1 to `OLP_WINDOW_MAX`.
  *
@@ -337,16 +273,17 @@ int olp_device_event(struct olp_device *device, struct olp_encoder *event, const
     OLP_SIZED("olp_device_event");
 
 /**
- * How the link does.
+ * Copies how the link does.
  *
- * Returns counters that live and change with the device, or NULL when device is.
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
- * const struct olp_device_health *health = olp_device_get_health(&device);
- * printf("%lu commands, %lu of them repeated\n", health->commands, health->repeats);
+ * struct olp_device_health health;
+ * if (olp_device_get_health(&device, &health) == OLP_RC_SUCCESS)
+ *     printf("%lu commands, %lu of them repeated\n", health.commands, health.repeats);
  * ```
  */
-const struct olp_device_health *olp_device_get_health(const struct olp_device *device)
+int olp_device_get_health(const struct olp_device *device, struct olp_device_health *health)
     OLP_SIZED("olp_device_get_health");
 
 #ifdef __cplusplus

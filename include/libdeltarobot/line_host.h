@@ -92,6 +92,8 @@ extern "C" {
 #define OLP_HOST_NAME_MAX 31
 /** Longest version of a device that is kept whole. */
 #define OLP_HOST_VERSION_MAX 15
+/** `unsigned long`s of a session, with some room to spare. */
+#define OLP_HOST_WORDS ((((OLP_LINE_MAX / 4) + (27 * OLP_WINDOW_MAX)) + (31 * OLP_DEVICES_MAX)) + 130)
 
 /**
  * Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
@@ -125,24 +127,29 @@ extern "C" {
 #define OLP_HOST_DROPPED 8
 
 /**
- * Outcome: the device has carried the command out, and answered: `message`. (Or it says by `onerror` with the code
+ * Outcome: the device has executed the command, and answered: `message`. (Or it says by `onerror` with the code
  * `toolong` that its answer is too long for it.)
  */
 #define OLP_HOST_ANSWERED 1
 
-/** Outcome: the device did not carry it out, and says so: `message`, an `onerror`. */
+/** Outcome: the device did not execute it, and says so: `message`, an `onerror`. */
 #define OLP_HOST_REFUSED 2
 
 /**
- * Outcome: what was to come back did not come. Whether the command was carried out is not known. (If it was
+ * Outcome: what was to come back did not come. Whether the command was executed is not known. (If it was
  * acknowledged, the device has it.)
  */
 #define OLP_HOST_TIMED_OUT 3
 
-/** Outcome: the device has started anew. Whether the command was carried out before that is not known. */
+/** Outcome: the device has restarted. Whether the command was executed before that is not known. */
 #define OLP_HOST_RESTARTED 4
 /** Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long. */
 #define OLP_HOST_NOT_SENT 5
+
+/** A host session. All zero is a new one with default settings. */
+struct olp_host {
+  unsigned long opaque[OLP_HOST_WORDS];
+};
 
 /** Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1. */
 struct olp_host_settings {
@@ -151,52 +158,15 @@ struct olp_host_settings {
   /** How long an answer may take, from when the command was sent last; 0: as long as an ack. */
   unsigned long answer_ms;
   /**
-   * How long after a command was sent first it may still be repeated; 0: 2000. For longer than this, and the time
-   * that a line may be on its way, a device has to remember which commands it has carried out (`olp_device`: 3000
+   * How long after a command was sent first it may still be retransmitted; 0: 2000. For longer than this, and the
+   * time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 3000
    * by default).
    */
   unsigned long repeat_ms;
-  /** How often a command may be repeated; 0: 3; below 0: never. */
+  /** How often a command may be retransmitted; 0: 3; below 0: never. */
   int repeats;
-  /** Not 0: the device recognises repeated commands, so that they are repeated without acks too. */
+  /** Not 0: the device recognises repeated commands, so that they are retransmitted without acks too. */
   int recognises;
-};
-
-/** Counters of a host session since it began; they wrap. */
-struct olp_host_health {
-  /** Lines received that can be read. */
-  unsigned long lines;
-  /** Of these, acks, answers and refusals that nothing was waiting for. */
-  unsigned long strays;
-  /** Lines that can't be read. */
-  unsigned long malformed;
-  /** Lines that were too long. */
-  unsigned long overlong;
-  /** Messages that the device has sent, as the gaps in their numbers show, and that were not received. */
-  unsigned long lost;
-  /** Errors that the device has reported. */
-  unsigned long errors;
-  /** Times that the device started anew. */
-  unsigned long restarts;
-  /** Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first. */
-  unsigned long overflows;
-  /** Acks and answers that did not come in time. */
-  unsigned long timeouts;
-  /** Commands that were repeated, because of that or because the device has asked for it. */
-  unsigned long repeats;
-  /**
-   * Number of round trips measured: from a command that was sent once to what came back first. Times in
-   * milliseconds.
-   */
-  unsigned long rtt_count;
-  /** The last round-trip time. */
-  unsigned long rtt_last;
-  /** The shortest round-trip time. */
-  unsigned long rtt_min;
-  /** The longest round-trip time. */
-  unsigned long rtt_max;
-  /** Sum of the round-trip times: divided by `rtt_count`, their average. */
-  unsigned long rtt_sum;
 };
 
 /**
@@ -204,140 +174,12 @@ struct olp_host_health {
  * one command at a time (section "Link Setup command").
  */
 struct olp_host_link {
-  /** Not 0: the device acknowledges commands. */
+  /** 1: the device acknowledges commands; else 0. */
   int ack;
-  /** Not 0: commands have a Fletcher-16 checksum. */
+  /** 1: commands have a Fletcher-16 checksum; else 0. */
   int checksum;
-  /**
-   * Number of commands that may be unanswered, 0 to 65535; 0 is as good as 1. No more than `OLP_WINDOW_MAX` ever
-   * are.
-   */
+  /** Number of commands that may be unanswered, 1 to 65535. No more than `OLP_WINDOW_MAX` ever are. */
   unsigned int windowsize;
-};
-
-/** A command that the device may remember. Its fields are private. */
-struct olp_host_recent {
-  unsigned short sum;
-  unsigned char t;
-  unsigned char used;
-};
-
-/** The counter of a session. Its fields are private. */
-struct olp_host_counter {
-  /** Numbers and checksums of the last commands: newer ones take the place of the oldest. */
-  struct olp_host_recent recent[64];
-  /** By how much the number has advanced in all: damaged ones may turn it round more than once. */
-  unsigned int advanced;
-  /** Where the next goes. */
-  unsigned char place;
-  /** The next number. */
-  unsigned char next;
-  /** Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows. */
-  unsigned char counts;
-  /** Not 0: a number of the device's is known, from which one can tell that some are missing. */
-  unsigned char heard;
-};
-
-/** One command. Its fields are private. */
-struct olp_host_slot {
-  /** When it was sent first and last. */
-  unsigned long first_at;
-  unsigned long sent_at;
-  /** What the caller knows it by. */
-  int handle;
-  /** Its place in the order in which commands are queued. */
-  unsigned int order;
-  /** Places of its first and last line in the order in which lines are sent. */
-  unsigned int first_line;
-  unsigned int last_line;
-  /** By how much the counter had advanced when it was sent first. */
-  unsigned int mark;
-  /** Checksum of the line. */
-  unsigned short sum;
-  /** How far it is; 0 when there is none. */
-  unsigned char stage;
-  /** How it ended. */
-  unsigned char outcome;
-  /** How often it was sent. */
-  unsigned char sent;
-  /** The line's number. */
-  unsigned char t;
-  /** Bits of `ACKED`, `LINKSETUP` and `SUMMED`. */
-  unsigned char flags;
-  /** Lengths of the two parts of the text. */
-  unsigned char command_length;
-  unsigned char id_length;
-  /** Number of older commands that have ended, and may have been carried out after it. */
-  unsigned char overtaken;
-  /** The command as the caller built it, and behind that the id, encoded. */
-  char text[54];
-};
-
-/** A device. Its texts are decoded and end with a 0; those it did not tell are empty. */
-struct olp_host_device {
-  /** What it is called in messages. */
-  char id[OLP_HOST_ID_MAX + 1];
-  /** What it is, e.g. `OzekiSwitchController`. */
-  char type[OLP_HOST_TYPE_MAX + 1];
-  /** What its user calls it. */
-  char name[OLP_HOST_NAME_MAX + 1];
-  /** Its version. */
-  char version[OLP_HOST_VERSION_MAX + 1];
-  /** Its place among the devices behind the microcontroller; 0 when it did not tell one. */
-  int pos;
-  /** Not 0: its type, name or version is longer than there is room, and was cut off. */
-  int cut;
-};
-
-/** The devices of a session. Its fields are private. */
-struct olp_host_devices {
-  struct olp_host_device device[OLP_DEVICES_MAX];
-  /** Not 0: has signed in since the microcontroller started last. */
-  unsigned char signed_in[OLP_DEVICES_MAX];
-  int count;
-};
-
-/** A host session but for what it receives. Its fields are private. */
-struct olp_host_session {
-  struct olp_host_settings settings;
-  struct olp_host_health health;
-  /** When bytes were received last. */
-  unsigned long heard_at;
-  struct olp_host_link link;
-  /** The window that was asked for last: a damaged answer shall not make it larger. */
-  unsigned int asked;
-  /** Place in the order and handle of the command queued last. */
-  unsigned int order;
-  int handle;
-  /** Number of lines sent. */
-  unsigned int lines;
-  /** Handle of the command whose ack was the last line, or 0; and of that which an event is about. */
-  int acked;
-  int concerned;
-  /** What is to be told: bits of `TELL_*`. */
-  int tell;
-  /** The length of the line that was received, -1 of one that was too long, 0 when there is none. */
-  int held;
-  /** How and where the device that has signed in is listed. */
-  int listed_at;
-  unsigned char listed;
-  /** Number of messages lost. */
-  unsigned char lost;
-  /** Not 0: all that the line means has been concluded. */
-  unsigned char understood;
-  /** Not 0: not all bytes were taken, so that it is too early to look at the time. */
-  unsigned char partial;
-  /** Not 0: the device has just told what is in force. */
-  unsigned char own_setup;
-  struct olp_host_counter counter;
-  struct olp_host_slot slots[OLP_WINDOW_MAX];
-  struct olp_host_devices devices;
-};
-
-/** A host session. Its fields are private; all zero is a new session with default settings. */
-struct olp_host {
-  struct olp_receiver receiver;
-  struct olp_host_session session;
 };
 
 /** Something that happened. */
@@ -361,6 +203,59 @@ struct olp_host_event {
    * Empty where an event has none.
    */
   struct olp_message message;
+};
+
+/** A device. Its texts are decoded and end with a 0; those it did not give are empty. */
+struct olp_host_device {
+  /** What it is called in messages. */
+  char id[OLP_HOST_ID_MAX + 1];
+  /** What it is, e.g. `OzekiSwitchController`. */
+  char type[OLP_HOST_TYPE_MAX + 1];
+  /** What its user calls it. */
+  char name[OLP_HOST_NAME_MAX + 1];
+  /** Its version. */
+  char version[OLP_HOST_VERSION_MAX + 1];
+  /** Its place among the devices behind the microcontroller; 0 when it did not give one. */
+  int pos;
+  /** Not 0: its type, name or version is longer than there is room, and was cut off. */
+  int cut;
+};
+
+/** Counters of a host session since it began; they wrap at 2^32. */
+struct olp_host_health {
+  /** Lines received that can be read. */
+  unsigned long lines;
+  /** Of these, acks, answers and refusals that nothing was waiting for. */
+  unsigned long strays;
+  /** Lines that can't be read. */
+  unsigned long malformed;
+  /** Lines that were too long. */
+  unsigned long overlong;
+  /** Messages that the device has sent, as the gaps in their numbers show, and that were not received. */
+  unsigned long lost;
+  /** Errors that the device has reported. */
+  unsigned long errors;
+  /** Times that the device restarted. */
+  unsigned long restarts;
+  /** Calls of `olp_host_receive` that did not take all bytes, because events were to be fetched first. */
+  unsigned long overflows;
+  /** Acks and answers that did not come in time. */
+  unsigned long timeouts;
+  /** Commands that were retransmitted, because of that or because the device has asked for it. */
+  unsigned long repeats;
+  /**
+   * Number of round trips measured: from a command that was sent once to what came back first. Times in
+   * milliseconds.
+   */
+  unsigned long rtt_count;
+  /** The last round-trip time. */
+  unsigned long rtt_last;
+  /** The shortest round-trip time. */
+  unsigned long rtt_min;
+  /** The longest round-trip time. */
+  unsigned long rtt_max;
+  /** Sum of the round-trip times: divided by `rtt_count`, their average. */
+  unsigned long rtt_sum;
 };
 
 /**
@@ -491,7 +386,7 @@ int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now
 long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED("olp_host_next_deadline");
 
 /**
- * What is in force on the link, as far as is known: at first, and after the device has started anew, neither acks
+ * What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
  * nor checksums, and a window of 1.
  *
  * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -506,7 +401,7 @@ int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) O
 
 /**
  * Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
- * change, and it stays there when the microcontroller starts anew.
+ * change, and it stays there when the microcontroller restarts.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -521,17 +416,17 @@ int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_
     OLP_SIZED("olp_host_get_device");
 
 /**
- * How the link does.
+ * Copies how the link does.
  *
- * Returns counters that live and change with the session, or NULL when host is.
+ * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
- * const struct olp_host_health *health = olp_host_get_health(&host);
- * if (health->rtt_count > 0)
- *     printf("round trip: %lu ms on average\n", health->rtt_sum / health->rtt_count);
+ * struct olp_host_health health;
+ * if (olp_host_get_health(&host, &health) == OLP_RC_SUCCESS && health.rtt_count > 0)
+ *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  * ```
  */
-const struct olp_host_health *olp_host_get_health(const struct olp_host *host) OLP_SIZED("olp_host_get_health");
+int olp_host_get_health(const struct olp_host *host, struct olp_host_health *health) OLP_SIZED("olp_host_get_health");
 
 #ifdef __cplusplus
 }

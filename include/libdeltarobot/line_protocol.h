@@ -91,6 +91,8 @@ extern "C" {
 #define OLP_LINE_COMPLETE 1
 /** A line longer than `OLP_LINE_MAX` has ended, and is lost. */
 #define OLP_LINE_OVERLONG 2
+/** `unsigned long`s of a receiver, with some room to spare. */
+#define OLP_RECEIVER_WORDS ((OLP_LINE_MAX / 4) + 3)
 
 /** A line that is being built. Its fields are private. */
 struct olp_encoder {
@@ -128,27 +130,9 @@ struct olp_param {
   int value_length;
 };
 
-/**
- * How far a line has been received. All zero is: not at all.
- *
- * The bytes lie in storage that is handed to each call, the same each time. It is one byte longer than the longest
- * line, for the CR.
- *
- * The fields are never trusted: no contents do any harm.
- */
-struct olp_assembly {
-  /** Number of bytes of the line that are in the storage. */
-  int used;
-  /** Whether the line was too long. */
-  int overlong;
-};
-
 /** A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one. */
 struct olp_receiver {
-  /** How far a line has been received. */
-  struct olp_assembly assembly;
-  /** The line, with room for a CR. */
-  char line[OLP_LINE_MAX + 1];
+  unsigned long opaque[OLP_RECEIVER_WORDS];
 };
 
 /** What `olp_receive` found. */

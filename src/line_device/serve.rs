@@ -1,39 +1,31 @@
 //! What a call of `olp_device_poll` does.
 //!
 //! A device is ready here, its table what [`check`](super::table::check) found good, and no reference to it lives while
-//! one of the firmware's functions runs. Such a function may begin the device anew: then `serving` is 0, and what was
-//! going on is over.
+//! one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and what was going
+//! on is over.
 
 use core::ffi::c_int;
 use core::mem::MaybeUninit;
 
 use super::table::{command_of, device_of, devices, first_id, welcome};
-use super::{Command, Device};
+use super::{Command, State};
 use crate::line_protocol::message::view;
 use crate::line_protocol::{LineEncoder, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
 use crate::memory::{int, text_of, zero};
-use deltarobot_protocols::line::Message;
-use deltarobot_protocols::line::device::{Fault, OWN_LINE_MAX, Request, Setup, is_id, is_setup};
-
-/// A line of the link's own, with the id it is to have.
-enum Own<'a> {
-    Setup(Setup, &'a [u8]),
-    Ack(&'a Request, &'a [u8]),
-    SetupAnswer(&'a Message<'a>, &'a [u8]),
-    Fault(Fault, Option<&'a Request>, &'a [u8]),
-}
+use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, Request, is_id, is_setup};
+use deltarobot_protocols::line::{Message, Received};
 
 /// Does the one thing that comes next.
 ///
 /// # Safety
 ///
 /// See above.
-pub(super) unsafe fn serve(device: *mut Device, now: u32) -> c_int {
+pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
         (*device).link.tick(now);
-        let table = (*device).table;
-        let welcomed = usize::try_from((*device).welcomed).unwrap_or_default();
+        let table = (*device).table();
+        let welcomed = usize::from((*device).welcomed);
         if let Some(info) = devices(&*table).get(welcomed) {
             (*device).welcomed = (*device).welcomed.wrapping_add(1);
             let room = (*device).link.room();
@@ -42,9 +34,9 @@ pub(super) unsafe fn serve(device: *mut Device, now: u32) -> c_int {
             send(device, line, length);
             return OLP_RC_SUCCESS;
         }
-        if (*device).tells != 0 {
-            (*device).tells = 0;
-            tell(device, &Own::Setup((*device).own, first_id(table)));
+        if (*device).announces != 0 {
+            (*device).announces = 0;
+            send_link_line(device, LinkLine::Setup((*device).setup), first_id(table));
             return OLP_RC_SUCCESS;
         }
         answer_line(device, now)
@@ -56,23 +48,26 @@ pub(super) unsafe fn serve(device: *mut Device, now: u32) -> c_int {
 /// # Safety
 ///
 /// See above.
-unsafe fn answer_line(device: *mut Device, now: u32) -> c_int {
+unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
     // received before.
     unsafe {
-        let input = &raw const (*device).input;
-        let Some(line) = (*input).line() else { return OLP_RC_NO_EVENT };
-        let message = line.and_then(|line| Message::parse(line).map_err(|_| Fault::Malformed));
+        let receiver = &raw const (*device).receiver;
+        let message = match (*receiver).received() {
+            Received::Nothing => return OLP_RC_NO_EVENT,
+            Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
+            Received::TooLong => Err(Fault::Overflow),
+        };
         let accepted = message.and_then(|message| Ok((message, (*device).link.accept(&message, now)?)));
         let rc = match &accepted {
             Ok((message, request)) => answer(device, message, request),
             Err(fault) => {
-                tell(device, &Own::Fault(*fault, None, first_id((*device).table)));
+                send_link_line(device, LinkLine::Fault(*fault, None), first_id((*device).table()));
                 OLP_RC_SUCCESS
             }
         };
         if (*device).serving != 0 {
-            (*device).input.release();
+            (*device).receiver.release();
         }
         rc
     }
@@ -83,10 +78,10 @@ unsafe fn answer_line(device: *mut Device, now: u32) -> c_int {
 /// # Safety
 ///
 /// See above.
-unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c_int {
+unsafe fn answer(device: *mut State, message: &Message, request: &Request) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
-        let table = (*device).table;
+        let table = (*device).table();
         let asked = message.get(b"id").unwrap_or_default();
         let known = device_of(&*table, asked);
         let id = known.unwrap_or_else(|| Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default());
@@ -94,21 +89,21 @@ unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c
         if sets_up {
             (*device).link.change_setup(message);
         }
-        tell(device, &Own::Ack(request, id));
+        send_link_line(device, LinkLine::Ack(request), id);
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
         if known.is_none() {
-            tell(device, &Own::Fault(Fault::UnknownId, Some(request), id));
+            send_link_line(device, LinkLine::Fault(Fault::UnknownId, Some(request)), id);
         } else if sets_up {
-            tell(device, &Own::SetupAnswer(message, id));
+            send_link_line(device, LinkLine::SetupAnswer(message), id);
         } else if let Some(again) = (*device).link.repeated(request) {
             let (line, length) = (again.as_ptr(), again.len());
             send(device, line, length);
         } else if let Some(command) = command_of(&*table, asked, message.command()) {
             return execute(device, command, message, request, id);
         } else {
-            tell(device, &Own::Fault(Fault::UnknownCommand, Some(request), id));
+            send_link_line(device, LinkLine::Fault(Fault::UnknownCommand, Some(request)), id);
         }
     }
     OLP_RC_SUCCESS
@@ -119,14 +114,14 @@ unsafe fn answer(device: *mut Device, message: &Message, request: &Request) -> c
 /// # Safety
 ///
 /// See above.
-unsafe fn execute(device: *mut Device, command: &Command, message: &Message, request: &Request, id: &[u8]) -> c_int {
+unsafe fn execute(device: *mut State, command: &Command, message: &Message, request: &Request, id: &[u8]) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
     unsafe {
         let (room, length) = (*device).link.begin(text_of(command.name).unwrap_or_default());
         let (buf, cap) = (room.as_mut_ptr().cast(), int(room.len()));
         let mut answer = LineEncoder { buf, cap, length: int(length), error: OLP_RC_SUCCESS };
-        let refused = command.run.is_none_or(|run| run(&raw const view, &raw mut answer, (*device).usr) != 0);
+        let refused = command.run.is_none_or(|run| run(&raw const view, &raw mut answer, (*device).usr()) != 0);
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
@@ -146,26 +141,18 @@ unsafe fn execute(device: *mut Device, command: &Command, message: &Message, req
     }
 }
 
-/// Writes and sends a line of the link's own.
+/// Writes and sends a line of the link itself.
 ///
 /// # Safety
 ///
 /// See above.
 #[inline(never)]
-unsafe fn tell(device: *mut Device, own: &Own) {
-    let mut room = MaybeUninit::<[u8; OWN_LINE_MAX]>::uninit();
-    // SAFETY: as the contract of this function asks; zero is a value of such arrays.
+unsafe fn send_link_line(device: *mut State, line: LinkLine<'_>, id: &[u8]) {
+    let mut room = MaybeUninit::<[u8; LINK_LINE_MAX]>::uninit();
+    // SAFETY: see above; zero is a value of such arrays.
     unsafe {
         zero(room.as_mut_ptr());
-        let length = {
-            let (link, room) = (&mut (*device).link, room.assume_init_mut());
-            match *own {
-                Own::Setup(setup, id) => link.setup_event(setup, id, room),
-                Own::Ack(request, id) => link.ack(request, id, room),
-                Own::SetupAnswer(message, id) => link.setup_answer(message, id, room),
-                Own::Fault(fault, request, id) => link.fault(fault, request, id, room),
-            }
-        };
+        let length = (*device).link.write(line, id, room.assume_init_mut());
         send(device, room.as_ptr().cast(), length);
     }
 }
@@ -173,9 +160,9 @@ unsafe fn tell(device: *mut Device, own: &Own) {
 /// # Safety
 ///
 /// See above.
-pub(super) unsafe fn send(device: *mut Device, line: *const u8, length: usize) {
+pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     // SAFETY: as the contract of this function asks.
-    let (table, usr) = unsafe { ((*device).table, (*device).usr) };
+    let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };
     // SAFETY: as the table asks: its function takes usr.
     if let (1.., Some(send)) = (length, unsafe { (*table).send }) {
         // SAFETY: as above.

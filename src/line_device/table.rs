@@ -5,7 +5,7 @@ use core::slice;
 
 use super::{Command, DeviceInfo, DeviceTable};
 use crate::line_protocol::{OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
-use crate::memory::text_of;
+use crate::memory::{number, text_of};
 use deltarobot_protocols::line::Value;
 use deltarobot_protocols::line::device::{Welcome, is_id};
 
@@ -22,11 +22,14 @@ pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int 
         if table.device_count < 1 || table.devices.is_null() || table.send.is_none() || !commands {
             return OLP_RC_ERROR_GENERIC;
         }
-        for info in devices(table) {
-            match &welcome(info) {
-                None => return OLP_RC_ERROR_GENERIC,
-                Some(welcome) if welcome.write(room).is_err() => return OLP_RC_TOO_LONG,
-                Some(_) => (),
+        for (place, info) in devices(table).iter().enumerate() {
+            let Some(welcome) = &welcome(info) else { return OLP_RC_ERROR_GENERIC };
+            // A command for an id that two have would go to the first of them alone.
+            if index_of(table, Value::new(welcome.id)) != Some(place) {
+                return OLP_RC_ERROR_GENERIC;
+            }
+            if welcome.write(room).is_err() {
+                return OLP_RC_TOO_LONG;
             }
         }
         let named = commands_of(table).iter().all(|command| !command.name.is_null());
@@ -64,11 +67,21 @@ pub(super) unsafe fn welcome(info: &DeviceInfo) -> Option<Welcome<'_>> {
         Some(Welcome {
             id: text_of(info.id).filter(|id| is_id(id))?,
             r#type: text_of(info.r#type)?,
-            pos: info.pos,
+            pos: number(info.pos),
             name: text_of(info.name),
             version: text_of(info.version),
         })
     }
+}
+
+/// The place of the device that is meant, if there is one.
+///
+/// # Safety
+///
+/// See above.
+unsafe fn index_of(table: &DeviceTable, asked: Value) -> Option<usize> {
+    // SAFETY: ids are NULL or strings.
+    unsafe { devices(table).iter().position(|info| text_of(info.id).is_some_and(|id| asked.is(id))) }
 }
 
 /// The id of the device that is meant, if there is one.
@@ -77,8 +90,8 @@ pub(super) unsafe fn welcome(info: &DeviceInfo) -> Option<Welcome<'_>> {
 ///
 /// See above.
 pub(super) unsafe fn device_of<'a>(table: &'a DeviceTable, asked: Value) -> Option<&'a [u8]> {
-    // SAFETY: as the contract of this function asks.
-    unsafe { devices(table).iter().filter_map(|info| text_of(info.id)).find(|id| asked.is(id)) }
+    // SAFETY: as for index_of().
+    unsafe { text_of(devices(table).get(index_of(table, asked)?)?.id) }
 }
 
 /// The command that is meant, if there is one.

@@ -2,12 +2,13 @@
 
 use core::ffi::c_int;
 
+use super::Link;
 use crate::line_protocol::message::view;
 use crate::line_protocol::{
     LineMessage, OLP_RC_MALFORMED, OLP_RC_NOT_FOUND, OLP_RC_OVERFLOW, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
 };
 use crate::memory::int;
-use deltarobot_protocols::line::host::{Dropped, Event, Link, Listed, Outcome};
+use deltarobot_protocols::line::host::{Dropped, Event, Listed, Outcome};
 
 /// Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
 /// `OLP_RC_SUCCESS`, or `OLP_RC_TOO_LONG` when the id is longer than `OLP_HOST_ID_MAX` (-1) or another text was cut
@@ -30,15 +31,15 @@ pub const OLP_HOST_ERROR: c_int = 7;
 /// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
 pub const OLP_HOST_DROPPED: c_int = 8;
 
-/// Outcome: the device has carried the command out, and answered: `message`. (Or it says by `onerror` with the code
+/// Outcome: the device has executed the command, and answered: `message`. (Or it says by `onerror` with the code
 /// `toolong` that its answer is too long for it.)
 pub const OLP_HOST_ANSWERED: c_int = 1;
-/// Outcome: the device did not carry it out, and says so: `message`, an `onerror`.
+/// Outcome: the device did not execute it, and says so: `message`, an `onerror`.
 pub const OLP_HOST_REFUSED: c_int = 2;
-/// Outcome: what was to come back did not come. Whether the command was carried out is not known. (If it was
+/// Outcome: what was to come back did not come. Whether the command was executed is not known. (If it was
 /// acknowledged, the device has it.)
 pub const OLP_HOST_TIMED_OUT: c_int = 3;
-/// Outcome: the device has started anew. Whether the command was carried out before that is not known.
+/// Outcome: the device has restarted. Whether the command was executed before that is not known.
 pub const OLP_HOST_RESTARTED: c_int = 4;
 /// Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
 pub const OLP_HOST_NOT_SENT: c_int = 5;
@@ -79,11 +80,11 @@ pub(super) unsafe fn write_event(event: *mut LineHostEvent, happened: &Event<'_>
             }
             Event::Linksetup(_) => (OLP_HOST_LINKSETUP, None),
             Event::Acked(handle) => {
-                (*event).handle = *handle;
+                (*event).handle = (*handle).cast_signed().into();
                 (OLP_HOST_ACKED, None)
             }
             Event::Ended(handle, outcome, message) => {
-                (*event).handle = *handle;
+                (*event).handle = (*handle).cast_signed().into();
                 (*event).outcome = outcome_of(*outcome);
                 (OLP_HOST_ENDED, message.as_ref())
             }
@@ -93,12 +94,12 @@ pub(super) unsafe fn write_event(event: *mut LineHostEvent, happened: &Event<'_>
                 (OLP_HOST_LOST, None)
             }
             Event::Error(handle, message) => {
-                (*event).handle = *handle;
+                (*event).handle = (*handle).cast_signed().into();
                 (OLP_HOST_ERROR, Some(message))
             }
             Event::Dropped(why) => {
                 (*event).error = match why {
-                    Dropped::Overlong => OLP_RC_TOO_LONG,
+                    Dropped::TooLong => OLP_RC_TOO_LONG,
                     Dropped::Malformed => OLP_RC_MALFORMED,
                 };
                 (OLP_HOST_DROPPED, None)

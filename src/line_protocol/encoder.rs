@@ -77,7 +77,7 @@ pub unsafe extern "C" fn olp_begin_command(
 #[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, text_of(text), Encoder::text) }
+    unsafe { add_text(encoder, name, text_of(text)) }
 }
 
 /// Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn olp_add_bytes(
     length: c_int,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, bytes_of(text, length), Encoder::text) }
+    unsafe { add_text(encoder, name, bytes_of(text, length)) }
 }
 
 /// Adds a value that is encoded already, such as one of a received line: unchanged.
@@ -116,8 +116,14 @@ pub unsafe extern "C" fn olp_add_raw(
     value: *const c_char,
     length: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, bytes_of(value.cast(), length), Encoder::raw) }
+    // SAFETY: value is NULL or points to so many bytes.
+    let value = unsafe { bytes_of(value.cast(), length) };
+    // SAFETY: add()'s contract is this function's.
+    unsafe {
+        add(encoder, name, value.is_some(), &mut |line, name| {
+            line.raw(name, value.unwrap_or_default());
+        })
+    }
 }
 
 /// Adds an integer, in decimal.
@@ -130,7 +136,11 @@ pub unsafe extern "C" fn olp_add_raw(
 #[export]
 pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_char, value: c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, Some(value), Encoder::int) }
+    unsafe {
+        add(encoder, name, true, &mut |line, name| {
+            line.int(name, value);
+        })
+    }
 }
 
 /// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
@@ -151,7 +161,11 @@ pub unsafe extern "C" fn olp_add_float(
 ) -> c_int {
     let decimals = u8::try_from(decimals).unwrap_or(u8::MAX);
     // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, Some(value), |line, name, value| line.float(name, value, decimals)) }
+    unsafe {
+        add(encoder, name, true, &mut |line, name| {
+            line.float(name, value, decimals);
+        })
+    }
 }
 
 /// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
@@ -168,7 +182,11 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
     let [low, high, ..] = value.to_le_bytes();
     let value = u16::from_le_bytes([low, high]);
     // SAFETY: as the contract of this function asks.
-    unsafe { add(encoder, name, Some(value), Encoder::hex) }
+    unsafe {
+        add(encoder, name, true, &mut |line, name| {
+            line.hex(name, value);
+        })
+    }
 }
 
 /// Ends a line: with its checksum, `&s=` and four hexadecimal digits, unless checksum is 0, and with a line feed. A
@@ -224,33 +242,44 @@ unsafe fn begin(
     encoder.error
 }
 
-/// Adds a parameter with that name and value, or what is there of them.
+/// Adds a parameter of that name as `put` does, or fails if its value is not `given`.
 ///
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-unsafe fn add<'a, T>(
+unsafe fn add(
     encoder: *mut LineEncoder,
     name: *const c_char,
-    value: Option<T>,
-    put: impl for<'l> FnOnce(&'l mut Encoder<'a>, &[u8], T) -> &'l mut Encoder<'a>,
+    given: bool,
+    put: &mut dyn FnMut(&mut Encoder<'_>, &[u8]),
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the objects of one call don't overlap; name is NULL or a string.
     let (Some(encoder), name) = (unsafe { (encoder.as_mut(), text_of(name)) }) else { return OLP_RC_ERROR_GENERIC };
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the encoder was begun, or its error says that it was not.
     if let Some(mut line) = unsafe { resume(encoder) } {
-        if let (Some(name), Some(value)) = (name, value) {
-            put(&mut line, name, value);
+        if let (Some(name), true) = (name, given) {
+            put(&mut line, name);
             keep(encoder, &line);
         } else {
-            // SAFETY: as the contract of this function asks.
-            if let Some([first, ..]) = unsafe { room_for(encoder) } {
-                *first = 0;
-            }
+            line.abort();
             encoder.error = OLP_RC_ERROR_GENERIC;
         }
     }
     encoder.error
+}
+
+/// Adds a text, if there is one.
+///
+/// # Safety
+///
+/// As for [`olp_add_string`].
+unsafe fn add_text(encoder: *mut LineEncoder, name: *const c_char, text: Option<&[u8]>) -> c_int {
+    // SAFETY: the same contract.
+    unsafe {
+        add(encoder, name, text.is_some(), &mut |line, name| {
+            line.text(name, text.unwrap_or_default());
+        })
+    }
 }
 
 /// The line that an encoder is at, if nothing has failed. It has failed, too, if it was never begun.

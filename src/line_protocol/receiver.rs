@@ -1,12 +1,25 @@
 //! Bytes to lines.
 
-use core::ffi::{c_int, c_void};
+use core::ffi::{c_int, c_ulong, c_void};
 use core::ptr::null;
 
 use super::{LineText, OLP_LINE_COMPLETE, OLP_LINE_NONE, OLP_LINE_OVERLONG, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use crate::memory::{bytes_of, int};
+use crate::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::line::{Received, Receiver};
+use crate::sizes::OLP_LINE_MAX;
+use deltarobot_protocols::line::{self, Received};
+
+/// `unsigned long`s of a receiver, with some room to spare.
+pub const OLP_RECEIVER_WORDS: usize = OLP_LINE_MAX / 4 + 3;
+
+/// A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Receiver {
+    opaque: [c_ulong; OLP_RECEIVER_WORDS],
+}
+state!(Receiver: line::Receiver<{ OLP_LINE_MAX + 1 }>);
 
 /// Makes a receiver empty. All zero it is so, too.
 ///
@@ -18,8 +31,8 @@ use deltarobot_protocols::line::{Received, Receiver};
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    match unsafe { receiver.as_mut() } {
+    // SAFETY: this is Room's contract.
+    match unsafe { Receiver::get(receiver) } {
         Some(receiver) => receiver.clear(),
         None => return OLP_RC_ERROR_GENERIC,
     }
@@ -48,19 +61,20 @@ pub unsafe extern "C" fn olp_receive(
     bytes: c_int,
     line: *mut LineText,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the objects of one call don't overlap, so that each may be borrowed.
     let (Some(receiver), Some(bytes), Some(line)) =
-        (unsafe { (receiver.as_mut(), bytes_of(buf, bytes), line.as_mut()) })
+        (unsafe { (Receiver::get(receiver), bytes_of(buf, bytes), line.as_mut()) })
     else {
         return OLP_RC_ERROR_GENERIC.wrapping_neg();
     };
-    let (taken, found) = receiver.take(bytes);
-    *line = match found {
+    receiver.release();
+    let taken = receiver.take(bytes);
+    *line = match receiver.received() {
         Received::Nothing => LineText { kind: OLP_LINE_NONE, text: null(), length: 0 },
-        Received::Line(length) => {
-            LineText { kind: OLP_LINE_COMPLETE, text: receiver.line(length).as_ptr().cast(), length: int(length) }
+        Received::Line(text) => {
+            LineText { kind: OLP_LINE_COMPLETE, text: text.as_ptr().cast(), length: int(text.len()) }
         }
-        Received::Overlong => LineText { kind: OLP_LINE_OVERLONG, text: null(), length: 0 },
+        Received::TooLong => LineText { kind: OLP_LINE_OVERLONG, text: null(), length: 0 },
     };
     int(taken)
 }

@@ -25,8 +25,9 @@ struct Digits {
 }
 
 impl Digits {
+    #[inline(always)]
     fn zero() -> Self {
-        // Not `[0; SIZE]`, which would be a call of memset.
+        // Not `[0; SIZE]`, which would be a call of memset; and inlined, or it would be copied by one of memcpy.
         Self { digit: core::array::from_fn(|_| 0), first: WHOLE, end: WHOLE, more: false }
     }
 

@@ -4,12 +4,20 @@ mod board;
 
 use std::time::Duration;
 
-use deltarobot_protocols::config::OLP_REPLY_MAX;
-use deltarobot_protocols::line::device::{DeviceLink, Fault, Input, OWN_LINE_MAX, Request, Setup, is_id, is_setup};
-use deltarobot_protocols::line::{Encoder, Message};
+use deltarobot_protocols::line::device::{
+    self, Fault, LINE_MAX, LINK_LINE_MAX, LinkLine, Request, Setup, is_id, is_setup,
+};
+use deltarobot_protocols::line::{Encoder, Message, Received, Receiver};
 
 use super::{Machine, above_zero, milliseconds};
 use board::{Board, MANAGER};
+
+/// Most commands that may be unanswered.
+const WINDOW: u8 = 8;
+/// Bytes of the longest answer.
+const REPLY_MAX: usize = 128;
+
+type DeviceLink = device::DeviceLink<{ WINDOW as usize }, REPLY_MAX>;
 
 /// From the opening of the device, which resets such a microcontroller, to the first welcome. A real one takes longer.
 const BOOT: Duration = Duration::from_millis(100);
@@ -49,13 +57,14 @@ impl DevicesOptions {
     /// The setup that the devices begin with, if not with the default.
     fn setup(&self) -> Option<Setup> {
         let is_given = self.ack || self.checksum || self.window.is_some();
-        is_given.then(|| Setup::new(self.ack, self.checksum, self.window.unwrap_or(1)))
+        let window = self.window.map_or(1, |window| u8::try_from(window).unwrap_or(WINDOW).min(WINDOW));
+        is_given.then(|| Setup::new(self.ack, self.checksum, window))
     }
 }
 
 pub(super) struct Devices {
     link: DeviceLink,
-    input: Input,
+    receiver: Receiver<{ LINE_MAX + 1 }>,
     board: Board,
     setup: Option<Setup>,
     /// When it will have booted.
@@ -68,7 +77,7 @@ impl Devices {
     pub(super) fn new(options: &DevicesOptions) -> Self {
         Self {
             link: DeviceLink::default(),
-            input: Input::new(),
+            receiver: Receiver::new(),
             board: Board::new(Duration::from_secs_f64(options.press.unwrap_or(10.0))),
             setup: options.setup(),
             boots_until: None,
@@ -77,37 +86,40 @@ impl Devices {
     }
 
     fn greet(&mut self, out: &mut Vec<u8>) {
-        let mut room = [0; OLP_REPLY_MAX];
+        let mut room = [0; REPLY_MAX];
         for welcome in board::WELCOMES {
             let length = welcome.write(&mut room).unwrap_or_default();
             add(out, &room, length);
         }
         if let Some(setup) = self.setup {
-            let length = self.link.setup_event(setup, MANAGER, &mut room);
+            let length = self.link.write(LinkLine::Setup(setup), MANAGER, &mut room);
             add(out, &room, length);
         }
     }
 
     /// Deals with the line that was received, if there is one.
     fn serve(&mut self, now: Duration, out: &mut Vec<u8>) {
-        let Some(line) = self.input.line() else { return };
-        let message = line.and_then(|line| Message::parse(line).map_err(|_| Fault::Malformed));
+        let message = match self.receiver.received() {
+            Received::Nothing => return,
+            Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
+            Received::TooLong => Err(Fault::Overflow),
+        };
         let accepted = message.and_then(|message| Ok((message, self.link.accept(&message, milliseconds(now))?)));
         match accepted {
             Ok((message, request)) => answer(&mut self.link, &mut self.board, &message, &request, out),
             Err(fault) => {
-                let mut room = [0; OWN_LINE_MAX];
-                let length = self.link.fault(fault, None, MANAGER, &mut room);
+                let mut room = [0; LINK_LINE_MAX];
+                let length = self.link.write(LinkLine::Fault(fault, None), MANAGER, &mut room);
                 add(out, &room, length);
             }
         }
-        self.input.release();
+        self.receiver.release();
     }
 }
 
 /// Answers a command that was received intact: first the ack, then the response or an error in its place.
 fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, request: &Request, out: &mut Vec<u8>) {
-    let mut room = [0; OLP_REPLY_MAX];
+    let mut room = [0; REPLY_MAX];
     let asked = message.get(b"id").unwrap_or_default();
     let known = board::WELCOMES.iter().map(|welcome| welcome.id).find(|id| asked.is(id));
     let id = known.unwrap_or(if is_id(asked.raw()) { asked.raw() } else { b"" });
@@ -115,14 +127,14 @@ fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, request: 
     if is_setup {
         link.change_setup(message);
     }
-    let length = link.ack(request, id, &mut room);
+    let length = link.write(LinkLine::Ack(request), id, &mut room);
     add(out, &room, length);
 
     if is_setup {
-        let length = link.setup_answer(message, id, &mut room);
+        let length = link.write(LinkLine::SetupAnswer(message), id, &mut room);
         add(out, &room, length);
     } else if known.is_none() {
-        let length = link.fault(Fault::UnknownId, Some(request), id, &mut room);
+        let length = link.write(LinkLine::Fault(Fault::UnknownId, Some(request)), id, &mut room);
         add(out, &room, length);
     } else if let Some(again) = link.repeated(request) {
         out.extend_from_slice(again);
@@ -134,7 +146,7 @@ fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, request: 
         let params = result.map(|()| room.get(begun..length).unwrap_or_default());
         out.extend_from_slice(finish(link, request, id, command, params));
     } else {
-        let length = link.fault(Fault::UnknownCommand, Some(request), id, &mut room);
+        let length = link.write(LinkLine::Fault(Fault::UnknownCommand, Some(request)), id, &mut room);
         add(out, &room, length);
     }
 }
@@ -163,7 +175,7 @@ fn add(out: &mut Vec<u8>, room: &[u8], length: usize) {
 impl Machine for Devices {
     fn connected(&mut self, now: Duration) {
         self.link = DeviceLink::default();
-        self.input = Input::new();
+        self.receiver.clear();
         self.board.reset(now);
         self.boots_until = Some(now + BOOT);
         self.waiting.clear();
@@ -177,7 +189,7 @@ impl Machine for Devices {
         self.link.tick(milliseconds(now));
         let mut rest = bytes;
         while !rest.is_empty() {
-            let taken = self.input.take(rest);
+            let taken = self.receiver.take(rest);
             rest = rest.get(taken..).unwrap_or_default();
             self.serve(now, out);
         }
@@ -196,7 +208,7 @@ impl Machine for Devices {
         }
         self.link.tick(milliseconds(now));
         for event in events {
-            let mut room = [0; OLP_REPLY_MAX];
+            let mut room = [0; REPLY_MAX];
             let mut line = Encoder::begin(&mut room, event.name);
             event.write(&mut line);
             let length = self.link.finish_event(&mut line, event.id).unwrap_or_default();

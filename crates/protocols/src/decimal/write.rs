@@ -23,7 +23,8 @@ pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
     if !special.is_empty() {
         return;
     }
-    let mut digits = Digits::of(bits);
+    let mut digits = Digits::zero();
+    digits.set(bits);
     digits.round(digits.first.wrapping_add(SIGNIFICANT));
     // Where the units are, if the number is written without an exponent: -4 to 5.
     let (first, units) = (digits.first, WHOLE.wrapping_sub(1));
@@ -56,7 +57,8 @@ pub fn write_fixed(bits: u32, decimals: u8, put: &mut dyn FnMut(u8)) {
     if bits >> 31 == 1 {
         put(b'-');
     }
-    let mut digits = Digits::of(bits);
+    let mut digits = Digits::zero();
+    digits.set(bits);
     let end = WHOLE.wrapping_add(decimals.into());
     digits.round(end);
     let units = WHOLE.wrapping_sub(1);
@@ -64,15 +66,14 @@ pub fn write_fixed(bits: u32, decimals: u8, put: &mut dyn FnMut(u8)) {
 }
 
 impl Digits {
-    /// The digits of a finite float, without its sign.
-    fn of(bits: u32) -> Self {
-        let mut digits = Self::zero();
+    /// Sets zero to a finite float, without its sign.
+    fn set(&mut self, bits: u32) {
         let [low, middle, high, top] = bits.to_le_bytes();
         let exponent = top << 1 | high >> 7;
         let high = if exponent == 0 { high & 0x7F } else { high | 0x80 };
         for byte in [high, middle, low] {
-            digits.multiply(4, byte >> 4);
-            digits.multiply(4, byte & 0xF);
+            self.multiply(4, byte >> 4);
+            self.multiply(4, byte & 0xF);
         }
         let exponent = exponent.max(1);
         let (up, mut left) =
@@ -80,13 +81,12 @@ impl Digits {
         while left > 0 {
             let bits = left.min(4);
             if up {
-                digits.multiply(bits, 0)
+                self.multiply(bits, 0)
             } else {
-                digits.divide(bits)
+                self.divide(bits)
             }
             left = left.wrapping_sub(bits);
         }
-        digits
     }
 
     /// Rounds to the digits before a place.

@@ -1,48 +1,44 @@
 //! The device's end of the link: what to do about a line, and what to answer.
 //!
-//! An [`Input`] collects the line, a [`DeviceLink`] judges it and writes the answers; neither calls anything. Firmware
-//! (through [`crate::ffi::line_device`]) goes through a line in steps: [`accept`](DeviceLink::accept) tells whether the
-//! line is intact, [`ack`](DeviceLink::ack) writes what comes first, [`repeated`](DeviceLink::repeated) has the answer
-//! that is to be sent again when the command was executed before. If it was not, the firmware executes the command,
-//! writes the answer into the room that [`begin`](DeviceLink::begin) made and has it finished by
-//! [`finish`](DeviceLink::finish). In between nothing is borrowed.
+//! A [`DeviceLink`] judges lines and writes the answers; it calls nothing. Firmware goes through a line in steps:
+//! [`accept`](DeviceLink::accept) says whether it is intact, [`LinkLine::Ack`] is what comes first,
+//! [`repeated`](DeviceLink::repeated) has the answer that is to be sent again when the command was executed before. If
+//! it was not, the firmware executes the command, writes the answer into the room that [`begin`](DeviceLink::begin)
+//! made and has it finished by [`finish`](DeviceLink::finish). In between nothing is borrowed.
 //!
 //! What the page "Ozeki Line Protocol" leaves open is decided so:
 //!
 //! - `t` counts the messages of both ends: one that is sent has the next, one that is received moves the counter
 //!   forward, never back. Acks have their command's t, welcomes none.
-//! - An `onerror` in place of an answer has its command's t and id, so that it can be told which command it answers.
-//!   Any other is an event like others.
+//! - An `onerror` in place of an answer has its command's t and id, which say what it answers. Any other is an event
+//!   like others.
 //! - A command may have a checksum when none is in force; a wrong one is never executed.
-//! - A host that was restarted does not know that checksums are in force. Its `linksetup` without one is believed when
-//!   it comes twice in the same words: what was damaged does not.
+//! - A host that was restarted does not know that checksums are in force. Its `linksetup` without one is accepted when
+//!   it comes twice in the same words: a damaged line does not.
 
 mod answers;
 mod fault;
-mod health;
-mod input;
-mod own;
+mod link_lines;
 mod setup;
 mod welcome;
 
-use core::ffi::{c_uchar, c_uint, c_ulong};
+use zerocopy::FromBytes;
 
 use super::encoder::{EncodeError, Encoder};
 use super::message::{Checksum, Message};
-use crate::clock::span;
-use crate::config::OLP_REPLY_MAX;
-use crate::counter::count;
-pub use answers::{Answer, Answers};
+use crate::session::{count, span};
+use answers::Answers;
 pub use fault::Fault;
-pub use health::DeviceHealth;
-pub use input::Input;
-pub use own::OWN_LINE_MAX;
-use own::write_fault;
+use link_lines::write_fault;
+pub use link_lines::{LINK_LINE_MAX, LinkLine};
 pub use setup::Setup;
 pub use welcome::{Welcome, is_id};
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
+/// Bytes of the longest command that a device receives, without its end: more than a PC sends by the page's rule, which
+/// its own full `linksetup` breaks.
+pub const LINE_MAX: usize = 79;
 /// For how many milliseconds after a command its repeats are expected, by default.
 pub const REPEAT_MS: u32 = 3000;
 
@@ -57,26 +53,53 @@ pub struct Request {
     place: Option<usize>,
 }
 
-/// What is known of the link. Its fields are private; all zero is one that has just been connected.
-#[derive(Clone, Debug, Default)]
-#[repr(C)]
-pub struct DeviceLink {
-    answers: Answers,
-    health: DeviceHealth,
-    /// For how many milliseconds repeats are expected; 0 stands for 3000.
-    repeat_ms: c_ulong,
-    /// The checksum of the linksetup that was refused last for want of one; 0, which no line has, when another came
-    /// after it.
-    doubted: c_uint,
-    setup: Setup,
-    /// The t of the next message.
-    next: c_uchar,
+/// How the link does. The counters wrap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
+pub struct Health {
+    /// Commands that were received intact, repeats among them.
+    pub commands: u32,
+    /// Commands that came again and were only answered again.
+    pub repeats: u32,
+    /// Lines whose checksum was wrong or missing.
+    pub checksums: u32,
+    /// Lines that could not be read.
+    pub malformed: u32,
+    /// Lines that were too long.
+    pub overflows: u32,
+    /// Commands that were refused: by their function, or because nobody knows their id or name.
+    pub refused: u32,
 }
 
-impl DeviceLink {
+/// The state of a link whose window is at most `WINDOW`, and whose answers have at most `REPLY` bytes. All zero is one
+/// that has just been connected.
+#[derive(Clone, Debug, FromBytes)]
+// In this order: on AVR what lies within 64 bytes takes shorter instructions.
+#[repr(C)]
+pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
+    /// The t of the next message.
+    next: u8,
+    setup: Setup,
+    /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
+    /// after it.
+    refused_setup: u16,
+    /// For how many milliseconds repeats are expected; 0 stands for 3000.
+    repeat_ms: u32,
+    health: Health,
+    answers: Answers<WINDOW, REPLY>,
+}
+
+impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
+    /// A link that has just been connected.
+    #[must_use]
+    pub const fn new() -> Self {
+        let health = Health { commands: 0, repeats: 0, checksums: 0, malformed: 0, overflows: 0, refused: 0 };
+        let setup = Setup::new(false, false, 0);
+        Self { answers: Answers::new(), health, repeat_ms: 0, refused_setup: 0, setup, next: 0 }
+    }
+
     /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
     /// connected.
-    pub const fn expect_repeats_for(&mut self, repeat_ms: c_ulong) {
+    pub const fn expect_repeats_for(&mut self, repeat_ms: u32) {
         self.repeat_ms = repeat_ms;
     }
 
@@ -88,11 +111,12 @@ impl DeviceLink {
 
     /// How the link does.
     #[must_use]
-    pub const fn health(&self) -> &DeviceHealth {
+    pub const fn health(&self) -> &Health {
         &self.health
     }
 
-    /// It is `now`, in milliseconds: to be told before anything else that happens then.
+    /// It is `now`, in milliseconds: to be called before anything else that happens then.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn tick(&mut self, now: u32) {
         self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
     }
@@ -107,9 +131,9 @@ impl DeviceLink {
         match message.checksum() {
             Checksum::Wrong => return Err(Fault::Checksum),
             Checksum::None if self.setup.checks() => {
-                let believed = self.doubted == c_uint::from(sum);
-                self.doubted = if is_setup(message) { c_uint::from(sum) } else { 0 };
-                if self.doubted == 0 || !believed {
+                let again = self.refused_setup == sum;
+                self.refused_setup = if is_setup(message) { sum } else { 0 };
+                if self.refused_setup == 0 || !again {
                     return Err(Fault::Checksum);
                 }
             }
@@ -119,7 +143,7 @@ impl DeviceLink {
             Some(t) => Some(t.byte().ok_or(Fault::Malformed)?),
             None => None,
         };
-        self.doubted = 0;
+        self.refused_setup = 0;
         count(&mut self.health.commands);
         let mut place = None;
         if let Some(t) = t {
@@ -136,7 +160,8 @@ impl DeviceLink {
 
     /// Carries out a linksetup, after which nothing received before is taken for repeated.
     pub fn change_setup(&mut self, message: &Message) {
-        self.setup.change(message);
+        #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
+        self.setup.change(message, WINDOW as u8);
         self.answers.forget();
     }
 
@@ -147,12 +172,12 @@ impl DeviceLink {
     }
 
     /// Room for a line as long as an answer may be, before there are any.
-    pub fn room(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+    pub fn room(&mut self) -> &mut [u8; REPLY] {
         self.answers.room()
     }
 
     /// Makes room for an answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does not fit.
-    pub fn begin(&mut self, command: &[u8]) -> (&mut [u8; OLP_REPLY_MAX], usize) {
+    pub fn begin(&mut self, command: &[u8]) -> (&mut [u8; REPLY], usize) {
         let room = self.answers.begin();
         let mut line = Encoder::resume(room, 0);
         line.put_all(b"c=");
@@ -163,12 +188,12 @@ impl DeviceLink {
     }
 
     /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place;
-    /// keeps it for repeats of the command and returns it, and which fault it tells of.
+    /// keeps it for repeats of the command and returns it, and the fault that it reports.
     pub fn finish(&mut self, request: &Request, id: &[u8], answer: Result<usize, Fault>) -> (&[u8], Option<Fault>) {
         let next = self.next;
         let written = answer.and_then(|length| {
             let mut line = Encoder::resume(self.answers.room(), length);
-            line.text(b"id", id).int(b"t", next.into()).finish(false).map_err(|_| Fault::TooLong)
+            line.text(b"id", id).word(b"t", next.into()).finish(false).map_err(|_| Fault::TooLong)
         });
         let length = match written {
             Ok(length) => {
@@ -192,7 +217,7 @@ impl DeviceLink {
     ///
     /// The first error there was in it; then it does not count.
     pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> Result<usize, EncodeError> {
-        let length = event.text(b"id", id).int(b"t", self.next.into()).finish(false)?;
+        let length = event.text(b"id", id).word(b"t", self.next.into()).finish(false)?;
         self.advance(1);
         Ok(length)
     }
@@ -206,10 +231,16 @@ impl DeviceLink {
         });
     }
 
-    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    #[inline(never)]
     fn advance(&mut self, steps: u8) {
         self.answers.age(self.next, steps);
         self.next = self.next.wrapping_add(steps);
+    }
+}
+
+impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REPLY> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -224,6 +255,8 @@ mod tests {
     use super::*;
     use std::string::String;
 
+    type Link = DeviceLink<4, 96>;
+
     const ID: &[u8] = b"9o5qzg";
 
     fn text(bytes: &[u8]) -> String {
@@ -231,17 +264,15 @@ mod tests {
     }
 
     /// Takes a command through its steps; "state=1" is what it answers. A command of any name is executed.
-    fn answers(device: &mut DeviceLink, line: &[u8], now: u32) -> String {
-        let mut input = Input::new();
-        assert_eq!(input.take(line), line.len());
-        let mut room = [0; OWN_LINE_MAX];
+    fn answers(device: &mut Link, line: &[u8], now: u32) -> String {
+        let mut room = [0; LINK_LINE_MAX];
         let mut sent = String::new();
         device.tick(now);
-        let message = input.line().unwrap().and_then(|line| Message::parse(line).map_err(|_| Fault::Malformed));
+        let message = Message::parse(line).map_err(|_| Fault::Malformed);
         let request = match message.and_then(|message| device.accept(&message, now)) {
             Ok(request) => request,
             Err(fault) => {
-                let length = device.fault(fault, None, ID, &mut room);
+                let length = device.write(LinkLine::Fault(fault, None), ID, &mut room);
                 return text(&room[..length]);
             }
         };
@@ -249,10 +280,10 @@ mod tests {
         if is_setup(&message) {
             device.change_setup(&message);
         }
-        let length = device.ack(&request, ID, &mut room);
+        let length = device.write(LinkLine::Ack(&request), ID, &mut room);
         sent += &text(&room[..length]);
         if is_setup(&message) {
-            let length = device.setup_answer(&message, ID, &mut room);
+            let length = device.write(LinkLine::SetupAnswer(&message), ID, &mut room);
             return sent + &text(&room[..length]);
         }
         if let Some(answer) = device.repeated(&request) {
@@ -265,7 +296,7 @@ mod tests {
 
     #[test]
     fn commands_are_answered_and_repeats_too() {
-        let mut device = DeviceLink::default();
+        let mut device = Link::new();
         let line = b"c=setswitch&state=1&t=11&id=9o5qzg\n";
         assert_eq!(answers(&mut device, line, 0), "c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
         assert_eq!(answers(&mut device, line, 10), "again c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
@@ -281,7 +312,7 @@ mod tests {
 
     #[test]
     fn the_counter_never_goes_back() {
-        let mut device = DeviceLink::default();
+        let mut device = Link::new();
         for (t, answer) in [(0, 1), (1, 2), (0, 3), (100, 101), (50, 102), (228, 229), (101, 230), (0, 1), (255, 2)] {
             let line = std::format!("c=x&t={t}\n");
             assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&std::format!("t={answer}\n")), "{t}");
@@ -289,9 +320,9 @@ mod tests {
     }
 
     #[test]
-    fn a_setup_without_checksum_is_believed_the_second_time() {
-        let mut device = DeviceLink::default();
-        device.setup_event(Setup::new(true, true, 1), ID, &mut [0; OWN_LINE_MAX]);
+    fn a_setup_without_checksum_is_accepted_the_second_time() {
+        let mut device = Link::new();
+        device.write(LinkLine::Setup(Setup::new(true, true, 1)), ID, &mut [0; LINK_LINE_MAX]);
         let asked = b"c=linksetup&ack=off&checksum=none&t=0&id=9o5qzg\n";
         let refused = "c=onerror&code=checksum&t=";
         assert!(answers(&mut device, asked, 0).starts_with(refused));
@@ -305,12 +336,12 @@ mod tests {
 
     #[test]
     fn answers_without_room_are_errors() {
-        let mut device = DeviceLink::default();
+        let mut device = Link::new();
         let request = Request { t: Some(200), sum: 1, place: None };
-        for fill in OLP_REPLY_MAX - 30..=OLP_REPLY_MAX {
+        for fill in 96 - 30..=96 {
             let (room, begun) = device.begin(b"x");
             room[begun..fill].fill(b'y');
-            let fits = fill + "&id=9o5qzg&t=0\n".len() <= OLP_REPLY_MAX;
+            let fits = fill + "&id=9o5qzg&t=0\n".len() <= 96;
             let answer = text(device.finish(&request, ID, Ok(fill)).0);
             assert_eq!(answer.starts_with("c=x_respy"), fits, "{fill}");
             assert_eq!(answer == "c=onerror&code=toolong&t=200&id=9o5qzg\n", !fits, "{fill}");

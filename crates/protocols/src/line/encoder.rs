@@ -1,13 +1,10 @@
 //! Building lines, parameter by parameter.
 //!
-//! What is sent is strict (page "Ozeki Line Protocol", section "Rules"): names are of `[a-z0-9]`, values encoded, and a
-//! command is no longer than the serial buffer of the device that it is for.
-
-mod integer;
-
-use core::ffi::c_long;
+//! What is sent is strict (page "Ozeki Line Protocol", section "Rules"): names are of `[A-Za-z0-9_]`, as boards use them,
+//! values encoded, and a command is no longer than the serial buffer of the device that it is for.
 
 use super::checksum::fletcher16;
+use super::integer::Integer;
 use super::message::Params;
 use crate::decimal;
 
@@ -23,7 +20,8 @@ const INFINITE: u32 = 0x7F80_0000;
 /// Why a line can't be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
-    /// A command's name is empty or has bytes that are not of `[a-z0-9_]`, or a parameter's not of `[a-z0-9]`.
+    /// A name is empty or has bytes that are not of `[A-Za-z0-9_]`, or a parameter is named `s`, as the checksum is:
+    /// boards take the first one for it.
     Name,
     /// What was said to be encoded is not.
     Malformed,
@@ -35,7 +33,7 @@ pub enum EncodeError {
 
 /// A line that is being built in a buffer.
 ///
-/// Each call adds a parameter. After the first that fails nothing is added any more, and [`finish`](Self::finish) tells
+/// Each call adds a parameter. After the first that fails nothing is added any more, and [`finish`](Self::finish) says
 /// why.
 #[derive(Debug)]
 pub struct Encoder<'a> {
@@ -55,7 +53,7 @@ impl<'a> Encoder<'a> {
     }
 
     fn start(&mut self, command: &[u8]) {
-        if command.is_empty() || !command.iter().all(|byte| is_of_name(*byte) || *byte == b'_') {
+        if !is_name(command) {
             self.fail(EncodeError::Name);
         }
         self.put_all(b"c=");
@@ -131,13 +129,15 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds an integer.
-    pub fn int(&mut self, name: &[u8], value: c_long) -> &mut Self {
+    pub fn int<T: Integer>(&mut self, name: &[u8], value: T) -> &mut Self {
         self.name(name);
-        if value < 0 {
-            self.put(b'-');
-        }
-        self.put_integer(value.unsigned_abs());
+        value.write(&mut |byte| self.put(byte));
         self
+    }
+
+    /// Adds an integer of at most 16 bits, such as `t`.
+    pub fn word(&mut self, name: &[u8], value: u16) -> &mut Self {
+        self.int(name, i32::from(value))
     }
 
     /// Adds a float as `printf("%.*f")` writes it: with 0 to [`DECIMALS_MAX`] decimals, rounded to the nearest number
@@ -159,7 +159,7 @@ impl<'a> Encoder<'a> {
         self
     }
 
-    /// Ends the line, with its checksum if wanted, and tells the length of the whole.
+    /// Ends the line, with its checksum if wanted, and returns the length of the whole.
     ///
     /// # Errors
     ///
@@ -177,8 +177,13 @@ impl<'a> Encoder<'a> {
         }
     }
 
+    /// Empties the line: it can't be finished.
+    pub fn abort(&mut self) {
+        self.fail(EncodeError::Malformed);
+    }
+
     fn name(&mut self, name: &[u8]) {
-        if name.is_empty() || !name.iter().all(|byte| is_of_name(*byte)) {
+        if !is_param_name(name) {
             self.fail(EncodeError::Name);
         }
         self.put(b'&');
@@ -223,8 +228,14 @@ impl<'a> Encoder<'a> {
     }
 }
 
-const fn is_of_name(byte: u8) -> bool {
-    matches!(byte, b'a'..=b'z' | b'0'..=b'9')
+/// Whether a command may have that name.
+pub(super) fn is_name(name: &[u8]) -> bool {
+    !name.is_empty() && name.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_')
+}
+
+/// Whether a parameter may have that name.
+pub(super) fn is_param_name(name: &[u8]) -> bool {
+    is_name(name) && !matches!(name, [b's'])
 }
 
 /// The hexadecimal digit of 0 to 15; `ten` is the one of 10.
@@ -236,7 +247,6 @@ const fn digit(value: u8, ten: u8) -> u8 {
 mod tests {
     use super::{COMMAND_MAX, EncodeError, Encoder};
     use crate::line::{Checksum, Message};
-    use core::ffi::c_long;
     use proptest::prelude::*;
     use std::string::String;
     use std::vec::Vec;
@@ -271,7 +281,7 @@ mod tests {
 
     #[test]
     fn integers() {
-        for value in [0, 1, 9, 10, 99, 100, -1, -10, 2_147_483_647, -2_147_483_648, c_long::MAX, c_long::MIN] {
+        for value in [0, 1, 9, 10, 99, 100, -1, -10, 2_147_483_647, -2_147_483_648, i64::MAX, i64::MIN] {
             let line = built(|line| line.int(b"v", value), false).unwrap();
             assert_eq!(line, std::format!("c=x&v={value}\n"));
         }
@@ -279,10 +289,10 @@ mod tests {
 
     #[test]
     fn what_is_refused() {
-        for name in ["", "A", "a_b", "a b", "a=", "\u{e9}"] {
+        for name in ["", "s", "a-b", "a b", "a=", "\u{e9}"] {
             assert_eq!(built(|line| line.int(name.as_bytes(), 1), false), Err(EncodeError::Name), "{name}");
         }
-        for params in ["A", "x=1&a_b=2", "x=1&=2", "x=%", "x=1\ny=2"] {
+        for params in ["a b", "x=1&a-b=2", "x=1&s=2", "x=1&=2", "x=%", "x=1\ny=2"] {
             assert!(built(|line| line.append(params.as_bytes()), false).is_err(), "{params}");
         }
         for value in ["&", "\n", "\r", "%", "%1", "%g0", "a%0", "x%4\n"] {
@@ -293,17 +303,18 @@ mod tests {
         }
         assert_eq!(built(|line| line.float(b"v", 1.0, 10), false), Err(EncodeError::Range));
         let mut room = [0; 64];
-        for command in ["", "Go", "go!", "a&b"] {
+        for command in ["", "g-o", "go!", "a&b"] {
             assert_eq!(Encoder::begin(&mut room, command.as_bytes()).finish(true), Err(EncodeError::Name), "{command}");
         }
         assert_eq!(Encoder::begin(&mut room, b"setpushinfo_resp").finish(false), Ok(19));
+        assert_eq!(built(|line| line.int(b"Id", 1).int(b"num_blocks", 2), false).unwrap(), "c=x&Id=1&num_blocks=2\n");
     }
 
     #[test]
     fn the_first_error_stays() {
         let mut room = [0; 16];
         let mut encoder = Encoder::begin(&mut room, b"go");
-        encoder.int(b"X", 1).float(b"y", f32::NAN, 1).text(b"z", &[0; 100]);
+        encoder.int(b"x y", 1).float(b"y", f32::NAN, 1).text(b"z", &[0; 100]);
         assert_eq!(encoder.error(), Some(EncodeError::Name));
         assert_eq!(encoder.finish(true), Err(EncodeError::Name));
     }
@@ -329,7 +340,7 @@ mod tests {
         #[test]
         fn what_is_built_is_read(
             text in prop::collection::vec(any::<u8>(), 0..60),
-            int: c_long,
+            int: i64,
             float in -1e6..1e6_f32,
             hex: u16,
             checksum: bool,

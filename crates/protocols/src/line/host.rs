@@ -8,34 +8,34 @@
 //!
 //! is queued as its caller built it; the session adds `t` and `id`, and `s` where checksums are in force. It leaves
 //! when none of those that have been sent and have not ended is forgotten by the device for it: that remembers as
-//! many commands as the window has, in the order in which they were carried out. It ends exactly once, as [`Outcome`]
+//! many commands as the window has, in the order in which they were executed. It ends exactly once, as [`Outcome`]
 //! tells:
 //!
 //! - Answered: `<name>_resp` from its id came; where acks are in force, behind its ack. (Never matched by `t`, which
 //!   sources give differently. Of several that could be meant, the oldest is.)
 //! - Refused: `onerror` with the code `unknowncommand`, `unknownid` or `refused`, its `t` and its id came; where acks
 //!   are in force, directly behind its ack, as that way of the line has no checksums. `toolong` says that it was
-//!   carried out, but can't be answered, so that counts as its answer.
+//!   executed, but can't be answered, so that counts as its answer.
 //! - Timed out: neither came, though it was repeated.
-//! - Restarted: the device has started anew meanwhile. A repeat could be carried out a second time.
+//! - Restarted: the device has started anew meanwhile. A repeat could be executed a second time.
 //!
 //! # Repeats
 //!
-//! A repeat is the same line with the same `t`, by which the device recognises it, and answers again without carrying
-//! it out again. It is sent when the ack (with the right checksum, where these are in force) or the answer is
+//! A repeat is the same line with the same `t`, by which the device recognises it, and answers again without executing
+//! it again. It is sent when the ack (with the right checksum, where these are in force) or the answer is
 //! overdue, or at once when the device reports an error that is not about a command it could read: which one it could
 //! not read it can't tell, so it is the oldest that it has not acknowledged.
 //!
 //! Without acks nothing is repeated for being overdue, unless [`Settings::recognises`] says that the device knows
 //! repeats; but `linksetup` always is, as doing that twice is no harm.
 //!
-//! With a window of more than 1, a repeated command is carried out behind later ones. Where the order matters, wait.
+//! With a window of more than 1, a repeated command is executed behind later ones. Where the order matters, wait.
 //!
 //! # What can be relied on
 //!
 //! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried
-//! out twice; answered means carried out once, refused means not at all. (A damaged line whose checksum is right by
-//! chance, one in some 65000, is beyond that.) Without checksums a command may be carried out otherwise than it was
+//! out twice; answered means executed once, refused means not at all. (A damaged line whose checksum is right by
+//! chance, one in some 65000, is beyond that.) Without checksums a command may be executed otherwise than it was
 //! sent; without acks, the answer to a command that has timed out may count for the next one with that name and id,
 //! if it comes then.
 //!
@@ -48,7 +48,7 @@
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};
 //!
-//! let mut host = Host::new(Settings::new());
+//! let mut host = Host::<256, 8, 16>::new(Settings::new());
 //! let handle = host.send(b"c=setswitch&state=1", b"9o5qzg").unwrap();
 //! let mut line = [0; 64];
 //! let length = host.output(&mut line, 64, 0);
@@ -71,116 +71,105 @@ mod slot;
 mod table;
 mod timers;
 
-use core::ffi::{c_int, c_uchar, c_uint, c_ulong};
+use zerocopy::FromBytes;
 
 use super::encoder::COMMAND_MAX;
 use super::message::Message;
-use super::receiver::{LineByte, Received, Receiver};
-use crate::clock::stamp;
-use crate::config::OLP_WINDOW_MAX;
-use crate::counter::count;
-pub use counter::{Counter, Recent};
+use super::receiver::{Received, Receiver};
+use crate::session::{Flags, count};
+use counter::Counter;
+use event::Pending;
 pub use event::{Dropped, Event, Outcome};
 pub use health::Health;
 pub use queue::QueueError;
 use settings::Told;
 pub use settings::{Link, Settings};
-pub use slot::Slot;
-pub use table::{Device, Devices, ID_MAX, Listed, NAME_MAX, TYPE_MAX, VERSION_MAX};
+use slot::Slot;
+use table::Devices;
+pub use table::{Device, ID_MAX, Listed, NAME_MAX, TYPE_MAX, VERSION_MAX};
 
-/// A host session. Its fields are private; all zero is a new session with default settings.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Host {
-    receiver: Receiver,
-    session: Session,
+/// A host session. All zero is a new one with default settings. `LINE` is one byte more than the longest line that is
+/// received; `WINDOW` commands are kept at a time, and `DEVICES` devices.
+#[derive(Clone, Debug, FromBytes)]
+pub struct Host<const LINE: usize, const WINDOW: usize, const DEVICES: usize> {
+    receiver: Receiver<LINE>,
+    session: Session<WINDOW, DEVICES>,
 }
 
-/// A host session but for what it receives. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Session {
+/// A host session but for what it receives.
+#[derive(Clone, Debug, FromBytes)]
+struct Session<const WINDOW: usize, const DEVICES: usize> {
     settings: Settings,
     health: Health,
     /// When bytes were received last.
-    heard_at: c_ulong,
+    heard_at: u32,
     link: Link,
-    /// The window that was asked for last: a damaged answer shall not make it larger.
-    asked: c_uint,
     /// Place in the order and handle of the command queued last.
-    order: c_uint,
-    handle: c_int,
+    order: u32,
+    handle: u16,
+    /// The window that was asked for last: a damaged answer shall not make it larger.
+    asked: u16,
     /// Number of lines sent.
-    lines: c_uint,
+    lines: u32,
     /// Handle of the command whose ack was the last line, or 0; and of that which an event is about.
-    acked: c_int,
-    concerned: c_int,
-    /// What is to be told: bits of `TELL_*`.
-    tell: c_int,
-    /// The length of the line that was received, -1 of one that was too long, 0 when there is none.
-    held: c_int,
+    acked: u16,
+    concerned: u16,
+    pending: Flags<Pending>,
     /// How and where the device that has signed in is listed.
-    listed_at: c_int,
-    listed: c_uchar,
+    listed: u8,
+    listed_at: u8,
     /// Number of messages lost.
-    lost: c_uchar,
-    /// Not 0: all that the line means has been concluded.
-    understood: c_uchar,
-    /// Not 0: not all bytes were taken, so that it is too early to look at the time.
-    partial: c_uchar,
-    /// Not 0: the device has just told what is in force.
-    own_setup: c_uchar,
+    lost: u8,
+    /// Not 0: the line in the receiver was handled; its events may be pending.
+    handled: u8,
+    /// Not 0: not all bytes were taken, so that it is too early for timeouts.
+    partial: u8,
+    /// Not 0: the device has just said what is in force.
+    own_setup: u8,
     counter: Counter,
-    slots: [Slot; OLP_WINDOW_MAX],
-    devices: Devices,
+    slots: [Slot; WINDOW],
+    devices: Devices<DEVICES>,
 }
 
-impl Host {
+impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WINDOW, DEVICES> {
     /// A session that has just begun.
     #[must_use]
     pub const fn new(settings: Settings) -> Self {
+        const { assert!(0 < WINDOW && WINDOW <= 64) }
         let session = Session {
             settings,
             health: Health::new(),
             heard_at: 0,
-            link: Link { ack: 0, checksum: 0, windowsize: 0 },
-            asked: 0,
+            link: Link::new(),
             order: 0,
             handle: 0,
+            asked: 0,
             lines: 0,
             acked: 0,
             concerned: 0,
-            tell: 0,
-            held: 0,
-            listed_at: 0,
+            pending: Flags::new(),
             listed: 0,
+            listed_at: 0,
             lost: 0,
-            understood: 0,
+            handled: 0,
             partial: 0,
             own_setup: 0,
             counter: Counter::new(),
-            slots: [const { Slot::new() }; OLP_WINDOW_MAX],
+            slots: [const { Slot::new() }; WINDOW],
             devices: Devices::new(),
         };
         Self { receiver: Receiver::new(), session }
     }
 
     /// Replaces the settings. For a session that has just begun.
-    pub fn set(&mut self, settings: &Settings) {
-        // One by one, which never becomes a call of memcpy.
-        let own = &mut self.session.settings;
-        own.timeout_ms = settings.timeout_ms;
-        own.answer_ms = settings.answer_ms;
-        own.repeat_ms = settings.repeat_ms;
-        own.repeats = settings.repeats;
-        own.recognises = settings.recognises;
+    pub const fn set(&mut self, settings: Settings) {
+        self.session.settings = settings;
     }
 
     /// What is in force on the link.
     #[must_use]
-    pub fn link(&self) -> Link {
-        let Link { ack, checksum, windowsize } = self.session.link;
-        Link { ack: (ack != 0).into(), checksum: (checksum != 0).into(), windowsize: windowsize.max(1) }
+    pub const fn link(&self) -> Link {
+        self.session.link
     }
 
     /// The devices that have signed in. Their places in this list do not change.
@@ -189,36 +178,24 @@ impl Host {
         self.session.devices.all()
     }
 
-    /// A device that has signed in.
-    #[must_use]
-    pub fn device(&self, index: usize) -> Option<&Device> {
-        self.session.devices.get(index)
-    }
-
     /// How the link does.
     #[must_use]
     pub const fn health(&self) -> &Health {
         &self.session.health
     }
 
-    /// Takes received bytes, up to the end of a line, and tells how many that were. [`poll`](Self::poll) makes room
+    /// Takes received bytes, up to the end of a line, and returns how many that were. [`poll`](Self::poll) makes room
     /// for the rest. `now` is when they came.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
         let session = &mut self.session;
-        session.release();
-        let mut taken = 0;
-        if session.held == 0 {
-            session.heard_at = stamp(now);
-            let received;
-            (taken, received) = self.receiver.take(input);
-            match received {
-                // A line's length fits an int.
-                Received::Line(length) => session.held = c_int::try_from(length).unwrap_or_default(),
-                Received::Overlong => session.held = -1,
-                Received::Nothing => (),
-            }
-            session.understood = 0;
+        if session.handled != 0 && session.pending.is_empty() {
+            self.receiver.release();
         }
+        if self.receiver.received() == Received::Nothing {
+            session.heard_at = now;
+            session.handled = 0;
+        }
+        let taken = self.receiver.take(input);
         session.partial = (taken < input.len()).into();
         if session.partial != 0 {
             count(&mut session.health.overflows);
@@ -229,26 +206,28 @@ impl Host {
     /// The next event; `None` when nothing has happened.
     pub fn poll(&mut self, now: u32) -> Option<Event<'_>> {
         let Self { receiver, session } = self;
-        let line = receiver.line(usize::try_from(session.held).unwrap_or_default());
-        let mut happened = session.next_to_tell();
-        if happened.is_none() && session.held != 0 && session.understood == 0 {
-            session.understood = 1;
-            session.look_at(line, now);
-            happened = session.next_to_tell();
+        let mut happened = session.next_event();
+        if happened.is_none() && session.handled == 0 && receiver.received() != Received::Nothing {
+            session.handled = 1;
+            session.handle(receiver.received(), now);
+            happened = session.next_event();
         }
         if happened.is_none() {
-            session.release();
+            if session.handled != 0 {
+                receiver.release();
+            }
             // What was received already may end what would time out.
             if session.partial == 0 {
-                session.look_at_the_time(now);
+                session.on_timer(now);
             }
             session.partial = 0;
-            happened = session.next_to_tell();
+            happened = session.next_event();
         }
+        let line = if let Received::Line(line) = receiver.received() { line } else { &[] };
         session.event(happened?, line)
     }
 
-    /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none. To be
+    /// Writes the next line to send, if it fits in that room, and returns its length; 0 when there is none. To be
     /// called after [`poll`](Self::poll); `now` is when it leaves.
     pub fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
         self.session.output(line, room, now)
@@ -259,30 +238,31 @@ impl Host {
     /// when there are no events and no lines left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let session = &self.session;
-        if session.tell != 0 || session.held != 0 && session.understood == 0 {
+        let unhandled = self.session.handled == 0 && self.receiver.received() != Received::Nothing;
+        if unhandled || !self.session.pending.is_empty() {
             return Some(0);
         }
-        session.next_deadline(now)
+        self.session.next_deadline(now)
     }
 }
 
-impl Session {
-    /// Lets go of the line, when all that it means has been told.
-    fn release(&mut self) {
-        if self.held != 0 && self.understood != 0 && self.tell == 0 {
-            self.held = 0;
-        }
+impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
+    /// How many commands may be unanswered.
+    fn window(&self) -> u32 {
+        let most = u32::try_from(WINDOW).unwrap_or_default();
+        u32::from(self.link.windowsize()).min(most)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COMMAND_MAX, Host, Settings};
+    use super::{COMMAND_MAX, Settings};
     use proptest::prelude::*;
     use std::format;
     use std::string::String;
     use std::vec::Vec;
+
+    type Host = super::Host<256, 8, 16>;
 
     #[test]
     fn a_line_came_when_it_was_taken() {
@@ -292,10 +272,10 @@ mod tests {
         host.receive(b"c=set_resp&id=x\n", 30);
         assert_eq!(host.receive(b"c=later\n", 90), 0);
         host.poll(100);
-        assert_eq!(host.health().rtt_last, 10);
+        assert_eq!(host.health().round_trips.last, 10);
     }
 
-    /// All that a session tells and sends when these bytes come in pieces.
+    /// All that a session reports and sends when these bytes come in pieces.
     fn told(pieces: &[&[u8]]) -> Vec<String> {
         let mut host = Host::new(Settings { recognises: 1, ..Settings::new() });
         let mut told = Vec::new();

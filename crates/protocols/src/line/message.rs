@@ -5,7 +5,6 @@
 
 use super::checksum::fletcher16;
 use super::value::{Value, hex};
-use crate::config::FAST;
 
 /// A line that can be read, seen where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,15 +15,16 @@ pub struct Message<'a> {
     checksum: Checksum,
 }
 
-/// What a line says about its own intactness: by a parameter `s` at its end (section "Link Setup command").
+/// What a line says about its own intactness: by the first parameter `s`, which is its last (section "Link Setup
+/// command"). Boards look for the first, so one before the checksum makes a line wrong here as it does there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Checksum {
     /// Nothing.
     #[default]
     None,
-    /// It is what it was.
+    /// The line is as it was sent.
     Right,
-    /// It is not: the last parameter is an `s` that is not the four hexadecimal digits of the sum.
+    /// It is not: behind `&s=` there is something else than the four hexadecimal digits of the sum.
     Wrong,
 }
 
@@ -37,6 +37,16 @@ pub enum Malformed {
     Escape,
     /// A line feed which is not at the end.
     LineFeed,
+}
+
+/// Where in a parameter a byte stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// In front of it.
+    Begin,
+    /// Behind an `s` that begins it.
+    Sum,
+    Other,
 }
 
 /// A parameter.
@@ -61,34 +71,43 @@ impl<'a> Message<'a> {
             return Err(Malformed::Command);
         }
 
-        let mut count = 0_usize;
-        // Where the last parameter begins.
-        let mut last = 0_usize;
-        let mut ahead = line;
-        while let Some((byte, behind)) = next_special(ahead) {
-            let at = line.len().wrapping_sub(behind.len()).wrapping_sub(1);
-            match byte {
-                b'&' => {
-                    count = count.wrapping_add(usize::from(at > last));
-                    last = at.wrapping_add(1);
-                }
-                b'%' if !matches!(behind, [high, low, ..] if high.is_ascii_hexdigit() && low.is_ascii_hexdigit()) => {
+        let (mut count, mut digits, mut place) = (0_usize, 0_u8, Place::Begin);
+        let mut sum_at = None;
+        for (at, byte) in line.iter().enumerate() {
+            if digits > 0 {
+                if !byte.is_ascii_hexdigit() {
                     return Err(Malformed::Escape);
                 }
-                b'\n' => return Err(Malformed::LineFeed),
-                _ => (),
+                digits = digits.wrapping_sub(1);
             }
-            ahead = behind;
+            if place == Place::Begin && *byte != b'&' {
+                count = count.wrapping_add(1);
+            }
+            place = match *byte {
+                b'&' => Place::Begin,
+                b's' if place == Place::Begin => Place::Sum,
+                b'=' if place == Place::Sum => {
+                    sum_at = sum_at.or(Some(at.wrapping_sub(2)));
+                    Place::Other
+                }
+                b'\n' => return Err(Malformed::LineFeed),
+                b'%' => {
+                    digits = 2;
+                    Place::Other
+                }
+                _ => Place::Other,
+            };
         }
-        count = count.wrapping_add(usize::from(line.len() > last));
+        if digits > 0 {
+            return Err(Malformed::Escape);
+        }
+        if place == Place::Sum {
+            sum_at = sum_at.or(Some(line.len().wrapping_sub(2)));
+        }
 
-        let told = match line.get(last..) {
-            Some([b's', b'=', value @ ..]) => Some(hex(value)),
-            Some([b's']) => Some(None),
-            _ => None,
-        };
-        let summed = if told.is_some() { line.get(..last.wrapping_sub(1)).unwrap_or_default() } else { line };
+        let (summed, behind) = line.split_at_checked(sum_at.unwrap_or(line.len())).unwrap_or_default();
         let sum = fletcher16(summed);
+        let told = sum_at.map(|_| hex(behind.get(b"&s=".len()..).unwrap_or_default()));
         let checksum = match told {
             None => Checksum::None,
             Some(told) if told == Some(sum) => Checksum::Right,
@@ -196,32 +215,6 @@ impl<'a> Iterator for Params<'a> {
     }
 }
 
-/// The first byte that may mean something in a line as such, and what is behind it. Of these, '&' is the highest: one
-/// comparison tells most others.
-#[inline(always)]
-fn next_special(line: &[u8]) -> Option<(u8, &[u8])> {
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    // What makes the highest bit of a byte above '&' come out.
-    const HIGHER: u64 = 0x5959_5959_5959_5959;
-    let mut rest = line;
-    if FAST {
-        while let Some((word, behind)) = rest.split_first_chunk() {
-            let word = u64::from_le_bytes(*word);
-            // The highest bit of each byte: of the sum, whether its other bits make it higher than '&'.
-            let sum = (word & (0x7F * ONES)).wrapping_add(HIGHER);
-            let low = !(word | sum) & (0x80 * ONES);
-            if low != 0 {
-                rest = rest.get(low.trailing_zeros() as usize / 8..).unwrap_or_default();
-                break;
-            }
-            rest = behind;
-        }
-    }
-    let place = rest.iter().position(|byte| *byte <= b'&')?;
-    let (byte, behind) = rest.get(place..)?.split_first()?;
-    Some((*byte, behind))
-}
-
 /// What stands before and behind the first of these bytes.
 fn split(bytes: &[u8], at: u8) -> (&[u8], &[u8]) {
     let place = bytes.iter().position(|byte| *byte == at).unwrap_or(bytes.len());
@@ -324,7 +317,11 @@ mod tests {
             let message = parse(line.as_bytes());
             assert_eq!((message.checksum(), message.sum()), (checksum, sum), "{line}");
         }
-        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x"] {
+        let sum = super::super::fletcher16(b"c=x");
+        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &std::format!("c=x&s={sum:04x}&t=1")] {
+            assert_eq!((parse(line.as_bytes()).checksum(), parse(line.as_bytes()).sum()), (Checksum::Wrong, sum));
+        }
+        for line in ["c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x", "c=x&s&y=1"] {
             let message = parse(line.as_bytes());
             assert_eq!(
                 (message.checksum(), message.sum()),

@@ -13,7 +13,7 @@
 //!
 //! let mut room = [0; 64];
 //! let mut encoder = Encoder::command(&mut room, b"setswitch");
-//! encoder.int(b"state", 1).int(b"t", 11).text(b"id", b"9o5qzg");
+//! encoder.word(b"state", 1).word(b"t", 11).text(b"id", b"9o5qzg");
 //! let length = encoder.finish(true).unwrap();
 //! assert_eq!(room[..length], *b"c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6\n");
 //! ```
@@ -23,12 +23,14 @@ mod checksum;
 pub mod device;
 mod encoder;
 pub mod host;
+mod integer;
 mod message;
 mod receiver;
 mod value;
 
 pub use checksum::{EMPTY_SUM, fletcher16, fletcher16_more};
 pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
+pub use integer::Integer;
 pub use message::{Checksum, Malformed, Message, Param, Params};
-pub use receiver::{Assembly, LINE_SIZE, LineByte, Received, Receiver};
+pub use receiver::{Received, Receiver};
 pub use value::{Decoded, NumberError, TooLong, Value};

@@ -80,10 +80,10 @@ impl Event {
         match self.said {
             Said::Heater { temperature, desired, is_heating } => {
                 line.float(b"temp", temperature, 2).float(b"desiredtemp", desired, 2);
-                line.int(b"state", is_heating.into());
+                line.word(b"state", is_heating.into());
             }
             Said::Button { is_pressed } => {
-                line.int(b"pressed", is_pressed.into());
+                line.word(b"pressed", is_pressed.into());
             }
         }
     }
@@ -134,7 +134,7 @@ impl Board {
             }
             self.interval = state.then_some(Duration::from_millis(interval.into()));
             self.report_at = self.turned + Duration::from_millis(interval.into());
-            answer.int(b"state", state.into()).int(b"interval", interval.into());
+            answer.word(b"state", state.into()).int(b"interval", i64::from(interval));
         } else if name == SETTEMP {
             let desired = command.get(b"temp").and_then(|temp| temp.float().ok());
             self.desired = desired.filter(|desired| (NONE..=HOTTEST).contains(desired)).ok_or(Fault::Refused)?;
@@ -145,7 +145,7 @@ impl Board {
                 self.pwm = u8::try_from(pwm).map_err(|_| Fault::Refused)?;
             }
             self.switch = state.into();
-            answer.int(b"state", self.switch.into()).int(b"pwm", self.pwm.into());
+            answer.word(b"state", self.switch.into()).word(b"pwm", self.pwm.into());
         }
         Ok(())
     }

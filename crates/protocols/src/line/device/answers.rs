@@ -4,63 +4,64 @@
 //! the same line may also come as a new command. What is remembered is therefore no more than repeats need: as many
 //! commands as the window in force has, for a time, and until the counter has come a good part of its way round.
 
-use core::ffi::{c_uchar, c_uint, c_ulong};
+use zerocopy::FromBytes;
 
-use crate::clock::{left, stamp};
-use crate::config::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
+use crate::session::left;
 
 /// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
 /// and the device not seen.
 const AGE_MAX: u16 = 192;
 
-/// The answer to a command. Its fields are private.
-#[derive(Clone, Copy, Debug)]
+/// The answer to a command.
+#[derive(Clone, Copy, Debug, FromBytes)]
+// In this order: on AVR what lies within 64 bytes takes shorter instructions.
 #[repr(C)]
-pub struct Answer {
+struct Answer<const REPLY: usize> {
     /// When the command was executed, or repeated last.
-    since: c_ulong,
+    since: u32,
     /// The command's checksum.
-    sum: c_uint,
+    sum: u16,
     /// The command's t.
-    t: c_uchar,
+    t: u8,
     /// Length of the answer; 0 when there is none.
-    length: c_uchar,
+    length: u8,
     /// The answer, a line with its LF.
-    text: [c_uchar; OLP_REPLY_MAX],
+    text: [u8; REPLY],
 }
 
-/// The answers to the last commands. Its fields are private; all zero is one without any.
-#[derive(Clone, Debug)]
+/// The answers to the last `WINDOW` commands. All zero is one without any.
+#[derive(Clone, Debug, FromBytes)]
+// In this order: on AVR what lies within 64 bytes takes shorter instructions.
 #[repr(C)]
-pub struct Answers {
-    slots: [Answer; OLP_WINDOW_MAX],
-    newest: c_uchar,
-    /// Not 0: the newest command has just been executed, which may have taken longer than the time in it says.
-    fresh: c_uchar,
+pub(super) struct Answers<const WINDOW: usize, const REPLY: usize> {
+    newest: u8,
+    /// Not 0: the newest command has just been executed, which may have taken longer than `now` says.
+    fresh: u8,
+    slots: [Answer<REPLY>; WINDOW],
 }
 
-impl Answers {
+impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
     /// No answers.
-    #[must_use]
-    pub const fn new() -> Self {
-        const NONE: Answer = Answer { since: 0, sum: 0, t: 0, length: 0, text: [0; OLP_REPLY_MAX] };
-        Self { slots: [NONE; OLP_WINDOW_MAX], newest: 0, fresh: 0 }
+    pub(super) const fn new() -> Self {
+        const { assert!(0 < WINDOW && WINDOW <= 64 && REPLY <= 255) }
+        let none = Answer { since: 0, sum: 0, t: 0, length: 0, text: [0; REPLY] };
+        Self { slots: [none; WINDOW], newest: 0, fresh: 0 }
     }
 
     /// Forgets all of them.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         for slot in &mut self.slots {
             slot.length = 0;
         }
     }
 
-    /// It is `now`: to be told before anything else that happens then, so that time spent in executing a command does
+    /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
     /// not count as time since. What was executed or repeated last `span` milliseconds ago is forgotten, before the
     /// clock comes round.
-    pub fn tick(&mut self, now: u32, span: u32) {
+    pub(super) fn tick(&mut self, now: u32, span: u32) {
         if self.fresh != 0 {
             self.fresh = 0;
-            self.newest_slot().since = stamp(now);
+            self.newest_slot().since = now;
         }
         for slot in &mut self.slots {
             if left(now, slot.since, span) == 0 {
@@ -70,7 +71,7 @@ impl Answers {
     }
 
     /// The counter, at `next`, moves on by so many steps.
-    pub fn age(&mut self, next: u8, steps: u8) {
+    pub(super) fn age(&mut self, next: u8, steps: u8) {
         for slot in &mut self.slots {
             if u16::from(next.wrapping_sub(slot.t)).wrapping_add(u16::from(steps)) >= AGE_MAX {
                 slot.length = 0;
@@ -79,62 +80,57 @@ impl Answers {
     }
 
     /// Where the answer to a command is, if that is one of the last `window` and not forgotten. It is repeated `now`.
-    pub fn find(&mut self, t: u8, sum: u16, window: u8, now: u32) -> Option<usize> {
+    pub(super) fn find(&mut self, t: u8, sum: u16, window: u8, now: u32) -> Option<usize> {
         let newest = usize::from(self.newest);
         let (place, slot) = self.slots.iter_mut().enumerate().find(|(place, slot)| {
-            let later = newest.checked_sub(*place).unwrap_or(newest.wrapping_add(OLP_WINDOW_MAX).wrapping_sub(*place));
-            later < usize::from(window) && slot.length != 0 && slot.t == t && slot.sum == c_uint::from(sum)
+            let later = newest.checked_sub(*place).unwrap_or(newest.wrapping_add(WINDOW).wrapping_sub(*place));
+            later < usize::from(window) && slot.length != 0 && slot.t == t && slot.sum == sum
         })?;
-        slot.since = stamp(now);
+        slot.since = now;
         Some(place)
     }
 
     /// The answer at a place.
-    #[must_use]
-    pub fn get(&self, place: usize) -> Option<&[u8]> {
+    pub(super) fn get(&self, place: usize) -> Option<&[u8]> {
         self.slots.get(place).and_then(|slot| slot.text.get(..usize::from(slot.length)))
     }
 
     /// Makes room for an answer, in place of the oldest.
-    pub fn begin(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+    pub(super) fn begin(&mut self) -> &mut [u8; REPLY] {
         let next = self.newest.wrapping_add(1);
-        self.newest = if usize::from(next) < OLP_WINDOW_MAX { next } else { 0 };
+        self.newest = if usize::from(next) < WINDOW { next } else { 0 };
         let slot = self.newest_slot();
         slot.length = 0;
         &mut slot.text
     }
 
     /// The room of the answer begun last.
-    pub fn room(&mut self) -> &mut [u8; OLP_REPLY_MAX] {
+    pub(super) fn room(&mut self) -> &mut [u8; REPLY] {
         &mut self.newest_slot().text
     }
 
     /// Keeps the answer begun last, which has become that long, for repeats of the command.
-    pub fn keep(&mut self, t: u8, sum: u16, length: usize) {
+    pub(super) fn keep(&mut self, t: u8, sum: u16, length: usize) {
         self.fresh = 1;
         let slot = self.newest_slot();
         slot.t = t;
-        slot.sum = c_uint::from(sum);
+        slot.sum = sum;
         slot.length = u8::try_from(length).unwrap_or_default();
     }
 
-    fn newest_slot(&mut self) -> &mut Answer {
-        let place = if usize::from(self.newest) < OLP_WINDOW_MAX { usize::from(self.newest) } else { 0 };
+    fn newest_slot(&mut self) -> &mut Answer<REPLY> {
+        let place = if usize::from(self.newest) < WINDOW { usize::from(self.newest) } else { 0 };
         #[expect(clippy::indexing_slicing, reason = "in range, as the line above sees to")]
         &mut self.slots[place]
     }
 }
 
-impl Default for Answers {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Answers, OLP_WINDOW_MAX};
     use std::vec::Vec;
+
+    const WINDOW: usize = 8;
+    type Answers = super::Answers<WINDOW, 64>;
 
     const SPAN: u32 = 3000;
 
@@ -151,7 +147,7 @@ mod tests {
 
     #[test]
     fn the_last_window_of_them() {
-        for window in [1, 2, u8::try_from(OLP_WINDOW_MAX).unwrap()] {
+        for window in [1, 2, u8::try_from(WINDOW).unwrap()] {
             let mut answers = Answers::new();
             for t in 0..100 {
                 keep(&mut answers, t, 7, &[t]);

@@ -1,29 +1,25 @@
-//! What `linksetup` settles (page "Ozeki Line Protocol", sections "Link Setup command" and "Link Setup event").
+//! What `linksetup` sets (page "Ozeki Line Protocol", sections "Link Setup command" and "Link Setup event").
 
-use core::ffi::c_uchar;
+use zerocopy::FromBytes;
 
 use super::super::encoder::Encoder;
 use super::super::message::Message;
 use super::super::value::Value;
-use crate::config::OLP_WINDOW_MAX;
 
-/// What a link does. Its fields are private; all zero is how each begins: no acks, no checksums, one command at a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
+/// What a link does. All zero is how each begins: no acks, no checksums, one command at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
 pub struct Setup {
-    ack: c_uchar,
-    checksum: c_uchar,
+    ack: u8,
+    checksum: u8,
     /// Commands that may be unanswered; 0 stands for 1.
-    window: c_uchar,
+    window: u8,
 }
 
 impl Setup {
-    /// A setup: a window of 0 stands for 1, and one beyond `OLP_WINDOW_MAX` for that.
+    /// A setup: a window of 0 stands for 1.
     #[must_use]
-    pub fn new(ack: bool, checksum: bool, window: u16) -> Self {
-        let mut setup = Self { ack: c_uchar::from(ack), checksum: c_uchar::from(checksum), window: 0 };
-        setup.set_window(window);
-        setup
+    pub const fn new(ack: bool, checksum: bool, window: u8) -> Self {
+        Self { ack: ack as u8, checksum: checksum as u8, window }
     }
 
     /// Whether commands are acked.
@@ -44,56 +40,42 @@ impl Setup {
         if self.window == 0 { 1 } else { self.window }
     }
 
-    /// Whether it can have that window.
-    #[must_use]
-    pub fn has_window(window: u16) -> bool {
-        (1..=OLP_WINDOW_MAX).contains(&usize::from(window))
-    }
-
-    fn set_window(&mut self, window: u16) {
-        #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
-        const MAX: u8 = OLP_WINDOW_MAX as u8;
-        self.window = u8::try_from(window).unwrap_or(MAX).min(MAX);
-    }
-
-    /// Puts in force what a linksetup says. What it leaves out or nobody understands stays as it is: the answer tells.
-    pub fn change(&mut self, message: &Message) {
-        if let Some(ack) = message.get(b"ack") {
-            if ack.is(b"on") {
-                self.ack = 1;
-            } else if ack.is(b"off") {
-                self.ack = 0;
-            }
-        }
-        if let Some(checksum) = message.get(b"checksum") {
-            if checksum.is(b"fletcher16") {
-                self.checksum = 1;
-            } else if checksum.is(b"none") {
-                self.checksum = 0;
-            }
-        }
+    /// Puts in force what a linksetup says, but a window of at most `most`. What it leaves out or says otherwise than
+    /// the page stays as it is: the answer has what is in force.
+    pub fn change(&mut self, message: &Message, most: u8) {
+        self.ack = choice(message.get(b"ack"), b"on", b"off", self.ack);
+        self.checksum = choice(message.get(b"checksum"), b"fletcher16", b"none", self.checksum);
         if let Some(window) = message.get(b"windowsize").and_then(Value::word) {
-            self.set_window(window);
+            self.window = u8::try_from(window).unwrap_or(most).min(most);
         }
     }
 
     /// Adds it to a line, with the window size where wanted.
     pub fn write(self, line: &mut Encoder, with_window: bool) {
         if with_window {
-            line.int(b"windowsize", self.window().into());
+            line.word(b"windowsize", self.window().into());
         }
         line.text(b"ack", if self.acks() { b"on" } else { b"off" });
         line.text(b"checksum", if self.checks() { b"fletcher16" } else { b"none" });
     }
 }
 
+/// 1 or 0 as a value says by one word or the other, or what it was.
+fn choice(value: Option<Value<'_>>, on: &[u8], off: &[u8], was: u8) -> u8 {
+    match value {
+        Some(value) if value.is(on) => 1,
+        Some(value) if value.is(off) => 0,
+        _ => was,
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Message, OLP_WINDOW_MAX, Setup};
+    use super::{Message, Setup};
 
     fn changed(setup: Setup, line: &[u8]) -> Setup {
         let mut setup = setup;
-        setup.change(&Message::parse(line).unwrap());
+        setup.change(&Message::parse(line).unwrap(), 8);
         setup
     }
 
@@ -115,9 +97,9 @@ mod tests {
 
     #[test]
     fn windows_are_bounded() {
-        for (asked, got) in [("0", 1), ("1", 1), ("2", OLP_WINDOW_MAX.min(2)), ("65535", OLP_WINDOW_MAX)] {
+        for (asked, got) in [("0", 1), ("1", 1), ("2", 2), ("8", 8), ("9", 8), ("256", 8), ("65535", 8)] {
             let line = [b"c=linksetup&windowsize=", asked.as_bytes()].concat();
-            assert_eq!(usize::from(changed(Setup::default(), &line).window()), got, "{asked}");
+            assert_eq!(changed(Setup::default(), &line).window(), got, "{asked}");
         }
     }
 }

@@ -1,7 +1,5 @@
 //! How devices sign in (page "Ozeki Line Protocol", section "Rules").
 
-use core::ffi::c_int;
-
 use super::ID_MAX;
 use crate::line::encoder::{EncodeError, Encoder};
 
@@ -12,8 +10,8 @@ pub struct Welcome<'a> {
     pub id: &'a [u8],
     /// What it is.
     pub r#type: &'a [u8],
-    /// Its place; 0 when that is not told.
-    pub pos: c_int,
+    /// Its place; 0 when that is left out.
+    pub pos: i32,
     /// Its name, if it has one.
     pub name: Option<&'a [u8]>,
     /// Its version, if it has one.
@@ -39,7 +37,7 @@ impl Welcome<'_> {
         let mut line = Encoder::begin(room, b"welcome");
         line.text(b"id", self.id).text(b"type", self.r#type);
         if self.pos != 0 {
-            line.int(b"pos", self.pos.into());
+            line.int(b"pos", self.pos);
         }
         for (name, text) in [(&b"name"[..], self.name), (b"version", self.version)] {
             if let Some(text) = text {

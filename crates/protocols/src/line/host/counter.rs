@@ -4,36 +4,34 @@
 //! that was sent or seen. Both ends send when they like: a number that is not ahead is of a message that crossed one
 //! of ours, and means nothing.
 
-use core::ffi::{c_uchar, c_uint, c_ushort};
+use zerocopy::FromBytes;
 
 /// Commands that are remembered: as many as any device may remember.
 const RECENT: usize = 64;
 
-/// The counter of a session. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Counter {
+/// The counter of a session.
+#[derive(Clone, Debug, FromBytes)]
+pub(super) struct Counter {
     /// Numbers and checksums of the last commands: newer ones take the place of the oldest.
     recent: [Recent; RECENT],
     /// By how much the number has advanced in all: damaged ones may turn it round more than once.
-    advanced: c_uint,
+    advanced: u32,
     /// Where the next goes.
-    place: c_uchar,
+    place: u8,
     /// The next number.
-    next: c_uchar,
+    next: u8,
     /// Not 0: something was counted: before, lines that have `t=0` are not, as the sample conversation shows.
-    counts: c_uchar,
-    /// Not 0: a number of the device's is known, from which one can tell that some are missing.
-    heard: c_uchar,
+    counts: u8,
+    /// Not 0: a number of the device's is known, from which gaps are counted.
+    heard: u8,
 }
 
-/// A command that the device may remember. Its fields are private.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct Recent {
-    sum: c_ushort,
-    t: c_uchar,
-    used: c_uchar,
+/// A command that the device may remember.
+#[derive(Clone, Copy, Debug, FromBytes)]
+struct Recent {
+    sum: u16,
+    t: u8,
+    used: u8,
 }
 
 impl Counter {
@@ -42,7 +40,7 @@ impl Counter {
     }
 
     /// By how much the number has advanced so far.
-    pub(super) const fn advanced(&self) -> c_uint {
+    pub(super) const fn advanced(&self) -> u32 {
         self.advanced
     }
 
@@ -51,7 +49,7 @@ impl Counter {
         self.next
     }
 
-    /// A line of the device's had this number. Tells how many are missing before it.
+    /// A line of the device's had this number. Returns how many are missing before it.
     pub(super) fn saw(&mut self, t: u8) -> u8 {
         if t == 0 && self.counts == 0 {
             return 0;
@@ -67,7 +65,7 @@ impl Counter {
         missing
     }
 
-    /// The device has started anew, and counts anew.
+    /// The device has restarted, and counts from 0.
     pub(super) fn restart(&mut self) {
         self.next = 0;
         self.counts = 0;

@@ -1,40 +1,40 @@
 //! What a line from the device means.
 
-use core::ffi::{c_int, c_uint, c_ulong};
-
-use super::event::{
-    TELL_ACKED, TELL_ENDED, TELL_ERROR, TELL_LINE, TELL_LINKSETUP, TELL_LOST, TELL_MALFORMED, TELL_OVERLONG,
-    TELL_WELCOME,
-};
+use super::event::Pending;
 use super::{Link, Message, Outcome, Session, Slot};
-use crate::counter::count;
-use crate::line::Value;
 use crate::line::device::Fault;
 use crate::line::message::same;
+use crate::line::{Received, Value};
+use crate::session::count;
 
-impl Session {
-    /// Deals with the line that was received.
-    pub(super) fn look_at(&mut self, line: &[u8], now: u32) {
-        if self.held < 0 {
-            count(&mut self.health.overlong);
-            self.tell |= TELL_OVERLONG;
-        } else if let Ok(message) = Message::parse(line) {
-            self.understand(&message, now);
-        } else {
-            count(&mut self.health.malformed);
-            self.tell |= TELL_MALFORMED;
+impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
+    /// Handles what was received.
+    pub(super) fn handle(&mut self, received: Received<'_>, now: u32) {
+        match received {
+            Received::Nothing => (),
+            Received::TooLong => {
+                count(&mut self.health.overlong);
+                self.pending.set(Pending::TooLong);
+            }
+            Received::Line(line) => match Message::parse(line) {
+                Ok(message) => self.dispatch(&message, now),
+                Err(_) => {
+                    count(&mut self.health.malformed);
+                    self.pending.set(Pending::Malformed);
+                }
+            },
         }
     }
 
-    /// Draws the conclusions from a line.
-    fn understand(&mut self, message: &Message<'_>, now: u32) {
+    /// Handles a line.
+    fn dispatch(&mut self, message: &Message<'_>, now: u32) {
         count(&mut self.health.lines);
         let name = message.command();
         if name.is(b"ack") {
             self.acked(message);
             return;
         }
-        // A refusal is believed directly behind its command's ack alone.
+        // A refusal is trusted directly behind its command's ack alone.
         let acked = self.acked;
         self.acked = 0;
         if name.is(b"onerror") {
@@ -52,13 +52,13 @@ impl Session {
             && let Some(told) = linksetup
         {
             self.own_setup = 1;
-            self.asked = c_uint::from(told.windowsize.unwrap_or(1));
+            self.asked = told.windowsize.unwrap_or(1);
             self.link.adopt(told, self.asked);
-            self.tell |= TELL_LINKSETUP;
+            self.pending.set(Pending::Linksetup);
             return;
         }
         if !self.answered(message) {
-            self.tell |= TELL_LINE;
+            self.pending.set(Pending::Line);
         }
     }
 
@@ -68,8 +68,8 @@ impl Session {
             let lost = self.counter.saw(t);
             if lost > 0 {
                 self.lost = lost;
-                self.health.lost = self.health.lost.wrapping_add(c_ulong::from(lost));
-                self.tell |= TELL_LOST;
+                self.health.lost = self.health.lost.wrapping_add(u32::from(lost));
+                self.pending.set(Pending::Lost);
             }
         }
     }
@@ -82,7 +82,7 @@ impl Session {
         let told = message.get(b"checksum");
         let sum = told.and_then(Value::hex);
         // A damaged name is no `null`.
-        let null = told.map_or(self.link.checksum == 0, |told| told.is(b"null"));
+        let null = told.map_or(!self.link.checks(), |told| told.is(b"null"));
         let found = self.slots.iter_mut().find(|slot| {
             let right = sum.map_or(null, |sum| sum == slot.sum());
             slot.is_out() && t == Some(slot.t()) && slot.is_of(id) && right
@@ -94,17 +94,19 @@ impl Session {
         self.acked = slot.handle();
         if !slot.is_linksetup() {
             // The device may have been told about acks and checksums by somebody else, or have been told of none.
-            let link = Link { ack: 1, checksum: if sum.is_none() { 0 } else { self.link.checksum }, ..self.link };
-            if !same_setup(&link, &self.link) {
+            let mut link = self.link;
+            link.set_acks(true);
+            link.set_checks(link.checks() && sum.is_some());
+            if link != self.link {
                 self.link = link;
-                self.tell |= TELL_LINKSETUP;
+                self.pending.set(Pending::Linksetup);
             }
         }
         if slot.acknowledge() {
             self.concerned = slot.handle();
-            self.tell |= TELL_ACKED;
+            self.pending.set(Pending::Acked);
             if slot.sent() == 1 {
-                self.health.round_trip(slot.elapsed(heard_at));
+                self.health.round_trips.add(slot.elapsed(heard_at));
             }
         }
     }
@@ -114,7 +116,7 @@ impl Session {
         let heard_at = self.heard_at;
         let name = message.command();
         let is_setup = name.is(b"linksetup_resp");
-        let needs_ack = self.link.ack != 0 && !is_setup;
+        let needs_ack = self.link.acks() && !is_setup;
         // Without acks nothing is promised on a line that does damage, and some devices encode less than they should.
         let id = if needs_ack { only(message, b"id") } else { message.get(b"id") };
         let told = if is_setup { Link::of(message) } else { None };
@@ -125,36 +127,36 @@ impl Session {
                 || told.zip(asked).is_some_and(|(told, asked)| {
                     (told.ack.is_some() || asked.ack.is_none()) && (told.checksum.is_some() || asked.checksum.is_none())
                 });
-            let believed = slot.is_acked() || !needs_ack;
-            slot.is_out() && believed && legible && slot.is_answered_by(name) && slot.is_of(id)
+            let credible = slot.is_acked() || !needs_ack;
+            slot.is_out() && credible && legible && slot.is_answered_by(name) && slot.is_of(id)
         });
         let found = slot.is_some();
         if let Some(slot) = slot {
             if slot.sent() == 1 && !slot.is_acked() {
-                self.health.round_trip(slot.elapsed(heard_at));
+                self.health.round_trips.add(slot.elapsed(heard_at));
             }
             let handle = slot.handle();
             self.end(handle, Outcome::Answered);
-        } else if name.bytes().count() > 5 && ends_as_answers_do(name) {
+        } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
             count(&mut self.health.strays);
         }
         if let Some(told) = told.filter(|told| found || told.ack.is_some() && told.checksum.is_some()) {
             self.link.adopt(told, self.asked);
-            self.tell |= TELL_LINKSETUP;
+            self.pending.set(Pending::Linksetup);
         }
         found
     }
 
-    fn failed(&mut self, message: &Message<'_>, acked: c_int, now: u32) {
+    fn failed(&mut self, message: &Message<'_>, acked: u16, now: u32) {
         count(&mut self.health.errors);
-        self.tell |= TELL_ERROR;
+        self.pending.set(Pending::Error);
         self.concerned = 0;
         self.own_setup = 0;
         let code = message.get(b"code").unwrap_or_default();
         let is = |fault: Fault| code.is(fault.code());
-        let done = is(Fault::TooLong);
-        if done || is(Fault::UnknownCommand) || is(Fault::UnknownId) || is(Fault::Refused) {
-            self.refused(message, acked, if done { Outcome::Answered } else { Outcome::Refused });
+        let executed = is(Fault::TooLong);
+        if executed || is(Fault::UnknownCommand) || is(Fault::UnknownId) || is(Fault::Refused) {
+            self.refused(message, acked, if executed { Outcome::Answered } else { Outcome::Refused });
         } else {
             self.counted(message);
             self.damaged(is(Fault::Checksum), now);
@@ -162,11 +164,11 @@ impl Session {
     }
 
     /// The device has read a command, and refuses it or can't answer it.
-    fn refused(&mut self, message: &Message<'_>, acked: c_int, outcome: Outcome) {
+    fn refused(&mut self, message: &Message<'_>, acked: u16, outcome: Outcome) {
         let (t, id) = (only(message, b"t").and_then(Value::byte), only(message, b"id"));
         let link = self.link;
         let found = self.slots.iter_mut().find(|slot| {
-            let directly = slot.handle() == acked || link.ack == 0 || slot.is_linksetup();
+            let directly = slot.handle() == acked || !link.acks() || slot.is_linksetup();
             slot.is_out() && directly && t == Some(slot.t()) && slot.is_of(id)
         });
         let Some(slot) = found else {
@@ -174,8 +176,8 @@ impl Session {
             return;
         };
         self.concerned = slot.handle();
-        // What was refused may be a damaged repeat of what was carried out.
-        if slot.sent() == 1 || link.checksum != 0 {
+        // What was refused may be a damaged repeat of what was executed.
+        if slot.sent() == 1 || link.checks() {
             let handle = slot.handle();
             self.end(handle, outcome);
         }
@@ -185,7 +187,7 @@ impl Session {
     /// probably the oldest command that it has said nothing about.
     fn damaged(&mut self, by_checksum: bool, now: u32) {
         let link = self.link;
-        let needed = link.ack != 0;
+        let needed = link.acks();
         let out = self.slots.iter().filter(|slot| slot.is_out()).count();
         let Some(slot) = Self::oldest(&mut self.slots, self.order, |slot| {
             slot.is_out() && !(slot.is_acked() && (needed || slot.is_linksetup()))
@@ -193,27 +195,27 @@ impl Session {
             return;
         };
         self.concerned = slot.handle();
-        if by_checksum && link.checksum == 0 && !slot.is_summed() {
-            self.link.checksum = 1;
-            self.tell |= TELL_LINKSETUP;
+        if by_checksum && !link.checks() && !slot.is_summed() {
+            self.link.set_checks(true);
+            self.pending.set(Pending::Linksetup);
         }
-        if slot.waits() {
+        if slot.is_waiting() {
             let handle = slot.handle();
             let certain = needed || self.settings.recognises != 0 || out == 1;
-            self.repeat_if(handle, certain, now);
+            self.retransmit_now(handle, certain, now);
         }
     }
 
     fn welcome(&mut self, message: &Message<'_>) {
         let (listed, restarted) = self.devices.welcome(message);
-        self.list(listed);
-        self.tell |= TELL_WELCOME;
+        self.set_listed(listed);
+        self.pending.set(Pending::Welcome);
         if restarted {
             self.restarted();
         }
     }
 
-    /// The device has started anew: it knows nothing of what was before.
+    /// The device has restarted: it knows nothing of what was before.
     fn restarted(&mut self) {
         count(&mut self.health.restarts);
         self.counter.restart();
@@ -222,18 +224,18 @@ impl Session {
             // Sending these again may be sending them twice. Setting up a link twice is no harm.
             if slot.is_out() && !slot.is_linksetup() {
                 slot.end(Outcome::Restarted);
-                self.tell |= TELL_ENDED;
+                self.pending.set(Pending::Ended);
             }
         }
         let link = Link::default();
-        if self.own_setup == 0 && !same_setup(&link, &self.link) {
+        if self.own_setup == 0 && link != self.link {
             self.link = link;
-            self.tell |= TELL_LINKSETUP;
+            self.pending.set(Pending::Linksetup);
         }
     }
 
     /// The slot of those that has waited longest.
-    pub(super) fn oldest(slots: &mut [Slot], order: c_uint, is_one: impl Fn(&Slot) -> bool) -> Option<&mut Slot> {
+    pub(super) fn oldest(slots: &mut [Slot], order: u32, is_one: impl Fn(&Slot) -> bool) -> Option<&mut Slot> {
         slots.iter_mut().filter(|slot| is_one(slot)).max_by_key(|slot| slot.age(order))
     }
 }
@@ -256,11 +258,7 @@ fn last<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
     message.params().filter(|param| same(param.name, name)).last().map(|param| param.value)
 }
 
-fn same_setup(one: &Link, other: &Link) -> bool {
-    (one.ack != 0) == (other.ack != 0) && (one.checksum != 0) == (other.checksum != 0) && one.window() == other.window()
-}
-
-fn ends_as_answers_do(name: Value<'_>) -> bool {
+fn is_named_like_an_answer(name: Value<'_>) -> bool {
     let length = name.bytes().count();
     name.bytes().skip(length.saturating_sub(b"_resp".len())).eq(b"_resp".iter().copied())
 }

@@ -1,30 +1,27 @@
 //! What goes out: lines, one at a time.
 
-use core::ffi::c_uint;
-
-use super::event::TELL_ENDED;
+use super::event::Pending;
 use super::{COMMAND_MAX, Outcome, Session, Slot};
-use crate::config::OLP_WINDOW_MAX;
 
-impl Session {
-    /// Writes the next line to send, if it fits in that room, and tells its length; 0 when there is none.
+impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
+    /// Writes the next line to send, if it fits in that room, and returns its length; 0 when there is none.
     pub(super) fn output(&mut self, line: &mut [u8; COMMAND_MAX], room: usize, now: u32) -> usize {
-        let checksum = self.link.checksum != 0;
+        let checksum = self.link.checks();
         // Each command once, until there is one to send.
-        for _ in 0..OLP_WINDOW_MAX {
+        for _ in 0..WINDOW {
             let Some(slot) = self.next_to_send().and_then(|index| self.slots.get_mut(index)) else { break };
             let first = slot.is_queued();
             let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t()) };
             let Some(t) = t else {
                 slot.end(Outcome::TooLong);
-                self.tell |= TELL_ENDED;
+                self.pending.set(Pending::Ended);
                 continue;
             };
             // A host that starts, or a device that does, has to find out about checksums.
             let flip = !first && slot.is_linksetup() && slot.sent() % 2 == 1 && slot.fits(!checksum);
             let checksum = checksum != flip;
             let Some(length) = slot.write(t, checksum, line) else {
-                slot.stay(now);
+                slot.skip_retransmission(now);
                 continue;
             };
             if length > room {
@@ -33,25 +30,25 @@ impl Session {
             if first {
                 let sum = slot.sum_with(t, checksum).unwrap_or_default();
                 self.counter.sends(t, sum);
-                slot.leaves(t, sum, self.counter.advanced(), now);
+                slot.start(t, sum, self.counter.advanced(), now);
                 if slot.is_linksetup()
                     && let Some(windowsize) = slot.asks_for().and_then(|asked| asked.windowsize)
                 {
-                    self.asked = windowsize.into();
+                    self.asked = windowsize;
                 }
             }
             self.lines = self.lines.wrapping_add(1);
-            slot.put_out(checksum, self.lines, now);
+            slot.sent_as(checksum, self.lines, now);
             return length;
         }
         0
     }
 
-    /// Where the command is that is to be sent next: repeats first.
+    /// Where the command is that is to be sent next: retransmissions first.
     fn next_to_send(&self) -> Option<usize> {
-        let is_repeat = self.slots.iter().any(Slot::is_due);
+        let any_due = self.slots.iter().any(Slot::is_due);
         let slots = self.slots.iter().enumerate();
-        let may_go = slots.filter(|(_, slot)| if is_repeat { slot.is_due() } else { self.may_leave(slot) });
+        let may_go = slots.filter(|(_, slot)| if any_due { slot.is_due() } else { self.may_leave(slot) });
         may_go.max_by_key(|(_, slot)| slot.age(self.order)).map(|(index, _)| index)
     }
 
@@ -64,17 +61,17 @@ impl Session {
                 let bars = other.is_queued()
                     || other.is_linksetup()
                     || slot.is_linksetup()
-                    || self.behind(other, slot) >= self.link.window();
+                    || self.behind(other, slot) >= self.window();
                 !(ahead && other.is_going_on() && bars)
             })
     }
 
-    /// How many commands may be carried out behind the one that was sent, when the new one is sent too: those sent
-    /// after it, and older ones that may have to be repeated, or were.
-    fn behind(&self, slot: &Slot, new: &Slot) -> c_uint {
+    /// How many commands may be executed behind the one that was sent, when the new one is sent too: those sent
+    /// after it, and older ones that may have to be retransmitted, or were.
+    fn behind(&self, slot: &Slot, new: &Slot) -> u32 {
         let is_older = |other: &&Slot| other.is_out() && other.age(self.order) > slot.age(self.order);
         let older = self.slots.iter().filter(is_older).count();
-        let older = c_uint::try_from(older).unwrap_or(c_uint::MAX);
+        let older = u32::try_from(older).unwrap_or(u32::MAX);
         slot.age(new.order()).saturating_add(slot.overtaken()).saturating_add(older)
     }
 }

@@ -1,7 +1,5 @@
 //! Commands that are to be sent.
 
-use core::ffi::c_int;
-
 use super::Host;
 use crate::line::{COMMAND_MAX, EncodeError, Encoder};
 
@@ -16,8 +14,8 @@ pub enum QueueError {
     TooLong,
 }
 
-impl Host {
-    /// Queues a command for the device of that id, and tells its handle: 1 to 32767.
+impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WINDOW, DEVICES> {
+    /// Queues a command for the device of that id, and returns its handle: 1 to 32767.
     ///
     /// `command` is the beginning of the line, e.g. `c=setswitch&state=1`: printable ASCII, without a checksum and
     /// without parameters `t` and `id`, which are added. It has to leave room for these: for a `t` of two digits, and
@@ -26,9 +24,9 @@ impl Host {
     /// # Errors
     ///
     /// See [`QueueError`].
-    pub fn send(&mut self, command: &[u8], id: &[u8]) -> Result<c_int, QueueError> {
+    pub fn send(&mut self, command: &[u8], id: &[u8]) -> Result<u16, QueueError> {
         let session = &mut self.session;
-        let checksum = session.link.checksum != 0;
+        let checksum = session.link.checks();
         let slots = &mut session.slots;
         let mut handle = session.handle;
         loop {
@@ -55,11 +53,11 @@ impl Host {
         ack: Option<bool>,
         checksum: Option<bool>,
         windowsize: Option<u16>,
-    ) -> Result<c_int, QueueError> {
+    ) -> Result<u16, QueueError> {
         let mut room = [0; COMMAND_MAX];
         let mut encoder = Encoder::command(&mut room, b"linksetup");
         if let Some(windowsize) = windowsize {
-            encoder.int(b"windowsize", windowsize.into());
+            encoder.word(b"windowsize", windowsize);
         }
         if let Some(ack) = ack {
             encoder.text(b"ack", if ack { b"on" } else { b"off" });
@@ -77,17 +75,19 @@ impl Host {
 
 #[cfg(test)]
 mod tests {
-    use super::{Host, QueueError};
-    use crate::config::OLP_WINDOW_MAX;
+    use super::QueueError;
     use crate::line::host::{Settings, Slot};
+
+    const WINDOW: usize = 8;
+    type Host = super::Host<81, WINDOW, 1>;
 
     #[test]
     fn handles_are_those_of_no_other_command() {
         let mut host = Host::new(Settings::new());
         assert_eq!(host.send(b"c=a", b"x"), Ok(1));
         host.session.handle = 32766;
-        for place in 1..OLP_WINDOW_MAX {
-            let handle = if place == 1 { 32767 } else { i32::try_from(place).unwrap() };
+        for place in 1..WINDOW {
+            let handle = if place == 1 { 32767 } else { u16::try_from(place).unwrap() };
             assert_eq!(host.send(b"c=a", b"x"), Ok(handle));
         }
         assert_eq!(host.send(b"c=a", b"x"), Err(QueueError::Busy));

@@ -1,27 +1,24 @@
-//! What a session can be told at its beginning, and what the two ends have agreed upon.
+//! The settings of a session, and what the two ends have agreed upon.
 
-use core::ffi::{c_int, c_uint, c_ulong};
+use zerocopy::FromBytes;
 
 use super::Message;
-use crate::clock::span;
-use crate::config::OLP_WINDOW_MAX;
+use crate::session::{span, times};
 
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
-#[derive(Clone, Debug, Default)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, FromBytes)]
 pub struct Settings {
     /// How long an ack may take; 0: 500. (The page gives no times.)
-    pub timeout_ms: c_ulong,
+    pub timeout_ms: u32,
     /// How long an answer may take, from when the command was sent last; 0: as long as an ack.
-    pub answer_ms: c_ulong,
-    /// How long after a command was sent first it may still be repeated; 0: 2000. For longer than this, and the time
-    /// that a line may be on its way, a device has to remember which commands it has carried out (`olp_device`: 3000
-    /// by default).
-    pub repeat_ms: c_ulong,
-    /// How often a command may be repeated; 0: 3; below 0: never.
-    pub repeats: c_int,
-    /// Not 0: the device recognises repeated commands, so that they are repeated without acks too.
-    pub recognises: c_int,
+    pub answer_ms: u32,
+    /// How long after a command was sent first it may still be retransmitted; 0: 2000. For longer than this, and the
+    /// time that a line may be on its way, a device has to remember which commands it has executed.
+    pub repeat_ms: u32,
+    /// How often a command may be retransmitted; 0: 3; below 0: never.
+    pub repeats: i16,
+    /// Not 0: the device recognises repeated commands, so that they are retransmitted without acks too.
+    pub recognises: u8,
 }
 
 impl Settings {
@@ -44,33 +41,52 @@ impl Settings {
     }
 
     pub(super) fn repeats(&self) -> u8 {
-        match u8::try_from(self.repeats) {
-            Ok(0) => 3,
-            Ok(repeats) => repeats.min(254),
-            Err(_) if self.repeats < 0 => 0,
-            Err(_) => 254,
-        }
+        times(self.repeats, 3, 0).min(254)
     }
 }
 
 /// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
 /// one command at a time (section "Link Setup command").
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, FromBytes)]
 pub struct Link {
-    /// Not 0: the device acknowledges commands.
-    pub ack: c_int,
-    /// Not 0: commands have a Fletcher-16 checksum.
-    pub checksum: c_int,
-    /// Number of commands that may be unanswered, 0 to 65535; 0 is as good as 1. No more than `OLP_WINDOW_MAX` ever
-    /// are.
-    pub windowsize: c_uint,
+    ack: u8,
+    checksum: u8,
+    windowsize: u16,
 }
 
 impl Link {
-    pub(super) fn window(&self) -> c_uint {
-        let most = c_uint::try_from(OLP_WINDOW_MAX).unwrap_or(1);
-        self.windowsize.clamp(1, most)
+    pub(super) const fn new() -> Self {
+        Self { ack: 0, checksum: 0, windowsize: 0 }
+    }
+
+    /// Whether the device acknowledges commands.
+    #[must_use]
+    pub const fn acks(&self) -> bool {
+        self.ack != 0
+    }
+
+    /// Whether commands have a checksum.
+    #[must_use]
+    pub const fn checks(&self) -> bool {
+        self.checksum != 0
+    }
+
+    /// Number of commands that may be unanswered, 1 to 65535, as far as the device is concerned.
+    #[must_use]
+    pub const fn windowsize(&self) -> u16 {
+        if self.windowsize == 0 { 1 } else { self.windowsize }
+    }
+
+    pub(super) const fn set_acks(&mut self, ack: bool) {
+        self.ack = ack as u8;
+    }
+
+    pub(super) const fn set_checks(&mut self, checksum: bool) {
+        self.checksum = checksum as u8;
+    }
+
+    pub(super) const fn set_windowsize(&mut self, windowsize: u16) {
+        self.windowsize = windowsize;
     }
 
     /// What a line `linksetup` or `linksetup_resp` says: each parameter that it has. `None` when one of them makes no
@@ -89,13 +105,22 @@ impl Link {
         Some(told)
     }
 
-    /// Puts it in force; of the window, at most `most`. A window size that is not told is 1.
-    pub(super) fn adopt(&mut self, told: Told, most: c_uint) {
-        self.ack = told.ack.map_or(self.ack, c_int::from);
-        self.checksum = told.checksum.map_or(self.checksum, c_int::from);
-        self.windowsize = c_uint::from(told.windowsize.unwrap_or(1)).min(most).max(1);
+    /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
+    pub(super) fn adopt(&mut self, told: Told, most: u16) {
+        self.ack = told.ack.map_or(self.ack, u8::from);
+        self.checksum = told.checksum.map_or(self.checksum, u8::from);
+        self.windowsize = told.windowsize.unwrap_or(1).min(most).max(1);
     }
 }
+
+impl PartialEq for Link {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |link: &Self| (link.acks(), link.checks(), link.windowsize());
+        of(self) == of(other)
+    }
+}
+
+impl Eq for Link {}
 
 /// What a line says about the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,14 +137,13 @@ fn either(yes: bool, no: bool) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::{Link, Message, Settings};
-    use core::ffi::c_ulong;
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut settings = Settings::new();
         assert_eq!((settings.timeout(), settings.answer(), settings.repeat()), (500, 500, 2000));
         assert_eq!(settings.repeats(), 3);
-        (settings.timeout_ms, settings.repeats) = (c_ulong::MAX, 1000);
+        (settings.timeout_ms, settings.repeats) = (u32::MAX, 1000);
         assert_eq!((settings.timeout(), settings.answer(), settings.repeats()), (0x7FFF_FFFF, 0x7FFF_FFFF, 254));
         (settings.answer_ms, settings.repeats) = (900, -1);
         assert_eq!((settings.answer(), settings.repeats()), (900, 0));
@@ -143,11 +167,6 @@ mod tests {
                 link.adopt(told, 40000);
             }
             assert_eq!(told.map(|_| (link.ack, link.checksum, link.windowsize)), after);
-        }
-        let windows = [(0, 1), (1, 1), (5, 5), (60000, super::OLP_WINDOW_MAX)];
-        for (windowsize, window) in windows {
-            let link = Link { windowsize, ..Link::default() };
-            assert_eq!(usize::try_from(link.window()).unwrap(), window.min(super::OLP_WINDOW_MAX));
         }
     }
 }

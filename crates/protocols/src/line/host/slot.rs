@@ -2,52 +2,49 @@
 
 mod text;
 
-use core::ffi::{c_int, c_uchar, c_uint, c_ulong, c_ushort};
+use zerocopy::FromBytes;
 
-use super::{LineByte, Outcome, QueueError};
-use crate::clock::{left, stamp, time};
+use super::{Outcome, QueueError};
+use crate::session::{Transmission, left};
 
 /// Bytes that a command's text and its id take together at most, when `&t=`, two digits, `&id=` and LF are to fit too.
 const TEXT_MAX: usize = 54;
 
-/// One command. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Slot {
-    /// When it was sent first and last.
-    first_at: c_ulong,
-    sent_at: c_ulong,
-    /// What the caller knows it by.
-    handle: c_int,
+/// One command.
+#[derive(Clone, Debug, FromBytes)]
+pub(super) struct Slot {
+    /// When it was sent first.
+    first_at: u32,
+    transmission: Transmission,
     /// Its place in the order in which commands are queued.
-    order: c_uint,
+    order: u32,
     /// Places of its first and last line in the order in which lines are sent.
-    first_line: c_uint,
-    last_line: c_uint,
+    first_line: u32,
+    last_line: u32,
     /// By how much the counter had advanced when it was sent first.
-    mark: c_uint,
+    mark: u32,
+    /// What the caller knows it by.
+    handle: u16,
     /// Checksum of the line.
-    sum: c_ushort,
-    /// How far it is; 0 when there is none.
-    stage: c_uchar,
+    sum: u16,
+    /// How far it is.
+    stage: u8,
     /// How it ended.
-    outcome: c_uchar,
-    /// How often it was sent.
-    sent: c_uchar,
+    outcome: u8,
     /// The line's number.
-    t: c_uchar,
+    t: u8,
     /// Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
-    flags: c_uchar,
+    flags: u8,
     /// Lengths of the two parts of the text.
-    command_length: c_uchar,
-    id_length: c_uchar,
-    /// Number of older commands that have ended, and may have been carried out after it.
-    overtaken: c_uchar,
+    command_length: u8,
+    id_length: u8,
+    /// Number of older commands that have ended, and may have been executed after it.
+    overtaken: u8,
     /// The command as the caller built it, and behind that the id, encoded.
-    text: [LineByte; TEXT_MAX],
+    text: [u8; TEXT_MAX],
 }
 
-/// There is no command.
+/// There is no command; so too in any other stage than the following.
 const FREE: u8 = 0;
 /// It waits for its turn, or to be fetched for sending.
 const QUEUED: u8 = 1;
@@ -55,7 +52,7 @@ const QUEUED: u8 = 1;
 const DUE: u8 = 2;
 /// It was sent and waits for what comes back.
 const SENT: u8 = 3;
-/// It has ended, and that is to be told.
+/// It has ended, which is to be reported.
 const ENDED: u8 = 4;
 
 /// The device has acknowledged it.
@@ -69,17 +66,16 @@ impl Slot {
     pub(super) const fn new() -> Self {
         Self {
             first_at: 0,
-            sent_at: 0,
-            handle: 0,
+            transmission: Transmission::new(),
             order: 0,
             first_line: 0,
             last_line: 0,
+            mark: 0,
+            handle: 0,
             sum: 0,
             stage: FREE,
             outcome: 0,
-            sent: 0,
             t: 0,
-            mark: 0,
             flags: 0,
             command_length: 0,
             id_length: 0,
@@ -107,7 +103,7 @@ impl Slot {
         self.stage() == DUE
     }
 
-    pub(super) const fn waits(&self) -> bool {
+    pub(super) const fn is_waiting(&self) -> bool {
         self.stage() == SENT
     }
 
@@ -137,7 +133,7 @@ impl Slot {
         self.flags & SUMMED != 0
     }
 
-    pub(super) const fn handle(&self) -> c_int {
+    pub(super) const fn handle(&self) -> u16 {
         self.handle
     }
 
@@ -146,15 +142,15 @@ impl Slot {
     }
 
     pub(super) const fn sent(&self) -> u8 {
-        self.sent
+        self.transmission.sent()
     }
 
     /// How many commands were queued since, up to that one.
-    pub(super) const fn age(&self, order: c_uint) -> c_uint {
+    pub(super) const fn age(&self, order: u32) -> u32 {
         order.wrapping_sub(self.order)
     }
 
-    pub(super) const fn order(&self) -> c_uint {
+    pub(super) const fn order(&self) -> u32 {
         self.order
     }
 
@@ -164,12 +160,12 @@ impl Slot {
         command: &[u8],
         id: &[u8],
         checksum: bool,
-        order: c_uint,
-        handle: c_int,
+        order: u32,
+        handle: u16,
     ) -> Result<(), QueueError> {
         self.set_text(command, id, checksum)?;
         self.stage = QUEUED;
-        self.sent = 0;
+        self.transmission.restart();
         self.overtaken = 0;
         self.order = order;
         self.handle = handle;
@@ -181,53 +177,51 @@ impl Slot {
     }
 
     /// It leaves for the first time.
-    pub(super) fn leaves(&mut self, t: u8, sum: u16, advanced: c_uint, now: u32) {
+    pub(super) fn start(&mut self, t: u8, sum: u16, advanced: u32, now: u32) {
         self.t = t;
         self.sum = sum;
         self.mark = advanced;
-        self.first_at = stamp(now);
-        self.sent = 0;
+        self.first_at = now;
+        self.transmission.restart();
         self.flags &= LINKSETUP;
     }
 
     /// It was sent, as the line of that place in the order of all.
-    pub(super) fn put_out(&mut self, checksum: bool, line: c_uint, now: u32) {
-        if self.sent == 0 {
+    pub(super) fn sent_as(&mut self, checksum: bool, line: u32, now: u32) {
+        if self.sent() == 0 {
             self.first_line = line;
         }
         self.last_line = line;
         self.stage = SENT;
-        self.sent_at = stamp(now);
-        self.sent = self.sent.saturating_add(1);
+        self.transmission.send(now);
         self.flags = if checksum { self.flags | SUMMED } else { self.flags & !SUMMED };
     }
 
     /// It was to be sent again, but can't be.
-    pub(super) fn stay(&mut self, now: u32) {
+    pub(super) fn skip_retransmission(&mut self, now: u32) {
         self.stage = SENT;
-        self.sent_at = stamp(now);
-        self.sent = self.sent.saturating_add(1);
+        self.transmission.send(now);
     }
 
     /// Places of its first line and its last.
-    pub(super) const fn lines(&self) -> (c_uint, c_uint) {
+    pub(super) const fn lines(&self) -> (u32, u32) {
         (self.first_line, self.last_line)
     }
 
-    /// Number of older commands that have ended, and may have been carried out after it.
-    pub(super) fn overtaken(&self) -> c_uint {
+    /// Number of older commands that have ended, and may have been executed after it.
+    pub(super) fn overtaken(&self) -> u32 {
         self.overtaken.into()
     }
 
     /// An older command has ended, of which that was the last of so many lines. If it was sent once more behind this
-    /// one, it may have been carried out behind it.
-    pub(super) fn see_end(&mut self, last_line: c_uint, newest: c_uint) {
+    /// one, it may have been executed behind it.
+    pub(super) fn older_ended(&mut self, last_line: u32, newest: u32) {
         if newest.wrapping_sub(last_line) < newest.wrapping_sub(self.first_line) {
             self.overtaken = self.overtaken.saturating_add(1);
         }
     }
 
-    pub(super) fn send_again(&mut self) {
+    pub(super) fn retransmit(&mut self) {
         self.stage = DUE;
     }
 
@@ -242,7 +236,7 @@ impl Slot {
 
     pub(super) fn end(&mut self, outcome: Outcome) {
         self.stage = ENDED;
-        self.outcome = outcome as c_uchar;
+        self.outcome = outcome as u8;
     }
 
     pub(super) fn release(&mut self) -> Outcome {
@@ -252,17 +246,17 @@ impl Slot {
 
     /// How much of `span` is left since it was sent last.
     pub(super) fn left(&self, now: u32, span: u32) -> u32 {
-        left(now, self.sent_at, span)
+        self.transmission.left(now, span)
     }
 
     /// Whether it is so little since it was sent first that the device still remembers it.
-    pub(super) fn is_recent(&self, now: u32, span: u32, advanced: c_uint) -> bool {
+    pub(super) fn is_recent(&self, now: u32, span: u32, advanced: u32) -> bool {
         let within = left(now, self.first_at, span.saturating_add(1)) > 0;
         within && advanced.wrapping_sub(self.mark) < 128
     }
 
     /// How long after it was sent last that was.
-    pub(super) const fn elapsed(&self, at: c_ulong) -> u32 {
-        time(at).wrapping_sub(time(self.sent_at))
+    pub(super) const fn elapsed(&self, at: u32) -> u32 {
+        self.transmission.elapsed(at)
     }
 }

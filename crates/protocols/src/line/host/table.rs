@@ -1,9 +1,8 @@
 //! The devices that have signed in: event `welcome`.
 
-use core::ffi::{c_int, c_uchar};
+use zerocopy::FromBytes;
 
-use super::{LineByte, Message};
-use crate::config::OLP_DEVICES_MAX;
+use super::Message;
 use crate::line::Value;
 
 /// Longest id of a device. The page has 6 characters.
@@ -21,22 +20,21 @@ const TYPE_SIZE: usize = TYPE_MAX + 1;
 const NAME_SIZE: usize = NAME_MAX + 1;
 const VERSION_SIZE: usize = VERSION_MAX + 1;
 
-/// A device. Its texts are decoded and end with a 0; those it did not tell are empty.
-#[derive(Clone, Debug)]
-#[repr(C)]
+/// A device. Its texts are decoded and end with a 0; those it did not give are empty.
+#[derive(Clone, Debug, FromBytes)]
 pub struct Device {
     /// What it is called in messages.
-    pub id: [LineByte; ID_SIZE],
+    pub id: [u8; ID_SIZE],
     /// What it is, e.g. `OzekiSwitchController`.
-    pub r#type: [LineByte; TYPE_SIZE],
+    pub r#type: [u8; TYPE_SIZE],
     /// What its user calls it.
-    pub name: [LineByte; NAME_SIZE],
+    pub name: [u8; NAME_SIZE],
     /// Its version.
-    pub version: [LineByte; VERSION_SIZE],
-    /// Its place among the devices behind the microcontroller; 0 when it did not tell one.
-    pub pos: c_int,
+    pub version: [u8; VERSION_SIZE],
+    /// Its place among the devices behind the microcontroller; 0 when it did not give one.
+    pub pos: i32,
     /// Not 0: its type, name or version is longer than there is room, and was cut off.
-    pub cut: c_int,
+    pub cut: u8,
 }
 
 impl Device {
@@ -50,33 +48,23 @@ impl Device {
             cut: 0,
         }
     }
-
-    /// Has its texts end, also where the session's memory was overwritten.
-    pub fn end_texts(&mut self) {
-        for text in [&mut self.id[..], &mut self.r#type, &mut self.name, &mut self.version] {
-            if let Some(last) = text.last_mut() {
-                *last = 0;
-            }
-        }
-    }
 }
 
-/// The devices of a session. Its fields are private.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Devices {
-    device: [Device; OLP_DEVICES_MAX],
+/// The devices of a session, `DEVICES` at most.
+#[derive(Clone, Debug, FromBytes)]
+pub(super) struct Devices<const DEVICES: usize> {
+    device: [Device; DEVICES],
     /// Not 0: has signed in since the microcontroller started last.
-    signed_in: [c_uchar; OLP_DEVICES_MAX],
-    count: c_int,
+    signed_in: [u8; DEVICES],
+    count: u8,
 }
 
-/// What a device that signs in is told with.
+/// Whether and where a device that has signed in is listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listed {
     /// It is in the table.
     Whole(usize),
-    /// It is in the table, but not all that it told.
+    /// It is in the table, but not all that it gave.
     Cut(usize),
     /// It is not in the table, which is full.
     Full,
@@ -86,21 +74,17 @@ pub enum Listed {
     NoId,
 }
 
-impl Devices {
+impl<const DEVICES: usize> Devices<DEVICES> {
     pub(super) const fn new() -> Self {
-        Self { device: [const { Device::new() }; OLP_DEVICES_MAX], signed_in: [0; OLP_DEVICES_MAX], count: 0 }
-    }
-
-    pub(super) fn get(&self, index: usize) -> Option<&Device> {
-        self.all().get(index)
+        const { assert!(DEVICES <= 255) }
+        Self { device: [const { Device::new() }; DEVICES], signed_in: [0; DEVICES], count: 0 }
     }
 
     pub(super) fn all(&self) -> &[Device] {
-        let count = usize::try_from(self.count).unwrap_or_default().min(OLP_DEVICES_MAX);
-        self.device.get(..count).unwrap_or_default()
+        self.device.get(..self.count.into()).unwrap_or(&self.device)
     }
 
-    /// A device signs in. Tells too whether it did so before, without any other sign of a restart: then this is one.
+    /// A device signs in. Returns too whether it did so before, without any other sign of a restart: then this is one.
     pub(super) fn welcome(&mut self, message: &Message<'_>) -> (Listed, bool) {
         let mut id = [0; ID_SIZE];
         let Some(told) = message.get(b"id").filter(|id| !id.is_empty()) else {
@@ -113,7 +97,7 @@ impl Devices {
         let index = known.unwrap_or(self.all().len());
         let Some(device) = self.device.get_mut(index) else { return (Listed::Full, false) };
         if known.is_none() {
-            self.count = c_int::try_from(index.wrapping_add(1)).unwrap_or_default();
+            self.count = u8::try_from(index.wrapping_add(1)).unwrap_or_default();
         }
         let restarted = known.is_some() && self.signed_in.get(index).is_some_and(|signed_in| *signed_in != 0);
         for (place, signed_in) in self.signed_in.iter_mut().enumerate() {
@@ -129,16 +113,15 @@ impl Devices {
         let mut cut = write(&mut device.r#type, message.get(b"type"));
         cut |= write(&mut device.name, message.get(b"name"));
         cut |= write(&mut device.version, message.get(b"version"));
-        device.cut = c_int::from(cut);
-        let pos = message.get(b"pos").and_then(|pos| pos.int().ok());
-        device.pos = pos.and_then(|pos| c_int::try_from(pos).ok()).unwrap_or_default();
+        device.cut = u8::from(cut);
+        device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
         (if cut { Listed::Cut(index) } else { Listed::Whole(index) }, restarted)
     }
 }
 
-/// Writes a text and zeros behind it, and tells whether that is not the whole text: for want of room, or as there is a
+/// Writes a text and zeros behind it, and returns whether that is not the whole text: for want of room, or as there is a
 /// zero in it.
-fn write(out: &mut [LineByte], value: Option<Value<'_>>) -> bool {
+fn write(out: &mut [u8], value: Option<Value<'_>>) -> bool {
     let mut text = value.unwrap_or_default().bytes();
     let mut cut = false;
     if let Some((end, room)) = out.split_last_mut() {
@@ -153,16 +136,19 @@ fn write(out: &mut [LineByte], value: Option<Value<'_>>) -> bool {
 }
 
 /// Whether two texts are the same up to their first zero.
-fn same_text(one: &[LineByte], other: &[LineByte]) -> bool {
-    let text = |bytes: &'_ [LineByte]| bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+fn same_text(one: &[u8], other: &[u8]) -> bool {
+    let text = |bytes: &'_ [u8]| bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
     one.iter().take(text(one)).eq(other.iter().take(text(other)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Device, Devices, Listed, Message, OLP_DEVICES_MAX, TYPE_MAX};
+    use super::{Device, Listed, Message, TYPE_MAX};
     use std::format;
     use std::string::String;
+
+    const DEVICES: usize = 16;
+    type Devices = super::Devices<DEVICES>;
 
     fn welcome(devices: &mut Devices, line: &str) -> (Listed, bool) {
         devices.welcome(&Message::parse(line.as_bytes()).unwrap())
@@ -185,12 +171,12 @@ mod tests {
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(0), false));
         let line = "c=welcome&type=Ozeki3DPrinterDisc&id=OZPDSC";
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(1), false));
-        let device = devices.get(0).unwrap();
+        let device = &devices.all()[0];
         assert_eq!(texts(device), ["M1F910", "OzekiTemperatureController", "Heater Ext1", "1.0.0"]);
         assert_eq!((device.pos, device.cut), (6, 0));
-        let device = devices.get(1).unwrap();
+        let device = &devices.all()[1];
         assert_eq!((texts(device), device.pos), (["OZPDSC", "Ozeki3DPrinterDisc", "", ""].map(String::from), 0));
-        assert!(devices.get(2).is_none());
+        assert_eq!(devices.all().len(), 2);
     }
 
     #[test]
@@ -213,18 +199,18 @@ mod tests {
         let mut devices = Devices::new();
         let long = "x".repeat(TYPE_MAX + 1);
         assert_eq!(welcome(&mut devices, &format!("c=welcome&id=a&type={long}")), (Listed::Cut(0), false));
-        assert_eq!(texts(devices.get(0).unwrap())[1], long[1..]);
-        assert_eq!(devices.get(0).unwrap().cut, 1);
+        assert_eq!(texts(&devices.all()[0])[1], long[1..]);
+        assert_eq!(devices.all()[0].cut, 1);
         assert_eq!(welcome(&mut devices, "c=welcome&id=b&name=x%00y"), (Listed::Cut(1), false));
-        assert_eq!(texts(devices.get(1).unwrap())[2], "x");
+        assert_eq!(texts(&devices.all()[1])[2], "x");
         assert_eq!(welcome(&mut devices, "c=welcome&id=0123456789abcdef"), (Listed::IdTooLong, false));
         assert_eq!(welcome(&mut devices, "c=welcome&id=x%00"), (Listed::IdTooLong, false));
         assert_eq!(welcome(&mut devices, "c=welcome&id="), (Listed::NoId, false));
         assert_eq!(welcome(&mut devices, "c=welcome"), (Listed::NoId, false));
-        for place in 2..OLP_DEVICES_MAX {
+        for place in 2..DEVICES {
             assert_eq!(welcome(&mut devices, &format!("c=welcome&id={place}")), (Listed::Whole(place), false));
         }
         assert_eq!(welcome(&mut devices, "c=welcome&id=z"), (Listed::Full, false));
-        assert_eq!(devices.all().len(), OLP_DEVICES_MAX);
+        assert_eq!(devices.all().len(), DEVICES);
     }
 }

@@ -1,10 +1,9 @@
 //! A command's text, and the line that is made of it.
 
-use core::ffi::c_uchar;
-
 use super::{LINKSETUP, Slot};
+use crate::line::encoder::{is_name, is_param_name};
 use crate::line::host::{Link, QueueError, Told};
-use crate::line::{COMMAND_MAX, Checksum, Encoder, Message, Value, fletcher16};
+use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
 
 impl Slot {
     /// Keeps the text of a command. On errors it may be spoilt.
@@ -26,8 +25,8 @@ impl Slot {
         for byte in command.iter().chain(id) {
             *places.next().ok_or(QueueError::TooLong)? = *byte;
         }
-        self.command_length = c_uchar::try_from(command.len()).map_err(|_| QueueError::TooLong)?;
-        self.id_length = c_uchar::try_from(id.len()).map_err(|_| QueueError::TooLong)?;
+        self.command_length = u8::try_from(command.len()).map_err(|_| QueueError::TooLong)?;
+        self.id_length = u8::try_from(id.len()).map_err(|_| QueueError::TooLong)?;
         self.flags = if message.command().is(b"linksetup") { LINKSETUP } else { 0 };
         self.write(99, checksum, &mut [0; COMMAND_MAX]).map(|_| ()).ok_or(QueueError::TooLong)
     }
@@ -58,7 +57,7 @@ impl Slot {
         name.bytes().eq(self.name().iter().chain(b"_resp").copied())
     }
 
-    /// What a linksetup asks for.
+    /// The parameters of a linksetup.
     pub(in crate::line::host) fn asks_for(&self) -> Option<Told> {
         Message::parse(self.command()).ok().and_then(|message| Link::of(&message))
     }
@@ -83,7 +82,7 @@ impl Slot {
             *place = *byte;
         }
         let mut encoder = Encoder::resume(line, command.len());
-        encoder.int(b"t", t.into()).raw(b"id", self.id().raw());
+        encoder.word(b"t", t.into()).raw(b"id", self.id().raw());
         encoder.finish(checksum).ok()
     }
 }
@@ -93,17 +92,10 @@ impl Slot {
 fn is_strict(message: &Message<'_>) -> bool {
     // Nothing between two of them is no parameter.
     let pieces = message.line().split(|byte| *byte == b'&').count();
-    let name = message.command();
-    let named = name.raw().iter().all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_'));
-    !name.is_empty()
-        && named
+    is_name(message.command().raw())
         && message.line().iter().all(u8::is_ascii_graphic)
         && pieces == message.len()
-        && message.checksum() == Checksum::None
-        && message.params().all(|param| {
-            let plain = param.name.iter().all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9'));
-            plain && !param.name.is_empty() && !matches!(param.name, b"t" | b"id")
-        })
+        && message.params().all(|param| is_param_name(param.name) && !matches!(param.name, b"t" | b"id"))
 }
 
 #[cfg(test)]
@@ -164,18 +156,21 @@ mod tests {
             b"c=a&&x=1",
             b"c=a&x=1&",
             b"c=a&=1",
-            b"c=a&X=1",
+            b"c=a&x-y=1",
             b"c=a&x=\xC3",
             b"c=a&x=\r",
             b"c=a\nc=b",
-            b"c=A",
+            b"c=a-b",
             b"c=a&t=1",
             b"c=a&x=1&id=x",
             b"c=a&s=1234",
+            b"c=a&s=5&x=1",
+            b"c=a&s",
+            b"c=a&s&x=1",
         ] {
             assert_eq!(queued(line, b"9o5qzg", false).err(), Some(QueueError::Malformed), "{line:?}");
         }
         assert_eq!(queued(b"c=a", b"", false).err(), Some(QueueError::Malformed));
-        assert!(queued(b"c=a&s=5&x=-1.5%20_", b"9o5qzg", false).is_ok());
+        assert!(queued(b"c=Set_2&Id=5&num_blocks=-1.5%20_", b"9o5qzg", false).is_ok());
     }
 }
