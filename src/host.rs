@@ -279,7 +279,7 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     let data = unsafe { &mut *(&raw mut (*event).msg.data).cast::<[MaybeUninit<u8>; DP_DATA_MAX_SIZE]>() };
     let happened = session.poll(time(now_ms), data);
     // SAFETY: not NULL, so the caller's whole object; `data` is not used any more.
-    unsafe { event_to(event, happened.as_ref()) };
+    unsafe { event_to(event, happened, session.last_report()) };
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
 

@@ -12,7 +12,9 @@ use crate::payload::{position_to, report_from};
 use crate::protocol::StatusReport;
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_protocols::deltarobot::controller::{Controller as Core, Decision, Request};
-use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Layout, Message, PAYLOAD_MAX, Position, Report, receiver_room};
+use deltarobot_protocols::deltarobot::{
+    FRAME_OVERHEAD, Layout, Message, Opcode, PAYLOAD_MAX, Position, Report, encode, receiver_room,
+};
 
 /// What lies in a [`Controller`].
 #[derive(Debug, FromBytes, Immutable, KnownLayout)]
@@ -76,7 +78,7 @@ impl Served {
         if self.with(|state| state.controller.is_active()) {
             let now = self.status();
             if let Some(end) = self.with(|state| state.controller.ended(&now)) {
-                self.report_end(end.as_ref());
+                self.report_end(end);
                 return true;
             }
         }
@@ -95,7 +97,7 @@ impl Served {
             self.with(|state| state.controller.started(&decision));
         }
         if decision != Decision::Report {
-            self.send(&if accepted { Message::Ack(request.opcode) } else { Message::Nack(request.opcode) });
+            self.send(if accepted { Opcode::ACK } else { Opcode::NACK }, &[request.opcode.0]);
         }
         if decision != Decision::RefuseOnly {
             let now = self.report();
@@ -124,12 +126,13 @@ impl Served {
         }
     }
 
-    fn report_end(self, end: Option<&Message>) {
-        let (reports_end, reports_error) = self.with(|state| (state.reports_end != 0, state.reports_error != 0));
-        match end {
-            Some(Message::GeneralError) if !reports_error => (),
-            Some(end) if reports_end || *end == Message::GeneralError => self.send(end),
-            _ => (),
+    fn report_end(self, end: Option<Opcode>) {
+        let is_asked_for = self.with(|state| match end {
+            Some(Opcode::GENERAL_ERR) => state.reports_error != 0,
+            _ => state.reports_end != 0,
+        });
+        if let Some(end) = end.filter(|_| is_asked_for) {
+            self.send(end, &[]);
         }
         self.report();
     }
@@ -149,14 +152,16 @@ impl Served {
     #[inline(never)] // That is smaller.
     pub(super) fn report(self) -> Report {
         let report = self.status();
-        self.send(&Message::StatusReport(report));
+        let mut payload = [0; PAYLOAD_MAX];
+        let layout = Layout::of(self.with(|state| state.layout));
+        let length = Message::StatusReport(report).write(layout, &mut payload);
+        self.send(Opcode::STATUS_REPL, payload.get(..length).unwrap_or_default());
         report
     }
 
-    fn send(self, message: &Message) {
+    fn send(self, opcode: Opcode, payload: &[u8]) {
         let mut frame = [MaybeUninit::<u8>::uninit(); PAYLOAD_MAX.wrapping_add(FRAME_OVERHEAD)];
-        let layout = Layout::of(self.with(|state| state.layout));
-        let length = message.encode(layout, &mut frame);
+        let length = encode(opcode, payload, &mut frame);
         if let (Some(length), Some((Calls { send: Some(send), .. }, usr))) = (length, self.calls()) {
             // SAFETY: it can be called with usr, as dp_controller_init asks; encode() has written so many bytes.
             unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };

@@ -5,8 +5,8 @@ use core::ffi::{c_int, c_uchar};
 use crate::memory::int;
 use crate::payload::report_to;
 use crate::protocol::{ProtocolMsg, StatusReport};
-use deltarobot_protocols::deltarobot::Opcode;
 use deltarobot_protocols::deltarobot::host::{Event, Outcome};
+use deltarobot_protocols::deltarobot::{Opcode, Report};
 
 /// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
 pub const DP_HOST_MESSAGE: c_int = 1;
@@ -51,42 +51,37 @@ pub struct HostEvent {
     pub msg: ProtocolMsg,
 }
 
-/// Hands an event to C, or that there is none. The payload of a message is there already.
+/// Hands an event to C, or that there is none. The payload of a message is there already; the report is the last one.
 ///
 /// # Safety
 ///
 /// out points to a writable event, whose contents may be uninitialised.
-pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<&Event>) {
-    let (mut opcode, mut outcome, mut report) = (Opcode(0), 0, None);
+pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<Event>, report: Option<&Report>) {
+    let (mut opcode, mut outcome) = (Opcode(0), 0);
     let kind = match event {
         None => 0,
         Some(Event::Message(received, length)) => {
             // SAFETY: writable by the contract.
             unsafe {
                 (*out).msg.opcode = received.0;
-                (*out).msg.data_s = int(*length);
+                (*out).msg.data_s = int(length);
                 (*out).msg.checksum_ok = 1;
             }
             DP_HOST_MESSAGE
         }
-        Some(Event::Status(received)) => {
-            report = Some(received);
-            DP_HOST_STATUS
-        }
-        Some(Event::State(received)) => {
-            report = Some(received);
-            DP_HOST_STATE
-        }
+        Some(Event::Status) => DP_HOST_STATUS,
+        Some(Event::State) => DP_HOST_STATE,
         Some(Event::GeneralError) => DP_HOST_ERROR,
         Some(Event::Accepted(accepted)) => {
-            opcode = *accepted;
+            opcode = accepted;
             DP_HOST_ACCEPTED
         }
         Some(Event::Ended(ended, how)) => {
-            (opcode, outcome) = (*ended, outcome_of(*how));
+            (opcode, outcome) = (ended, outcome_of(how));
             DP_HOST_ENDED
         }
     };
+    let report = report.filter(|_| matches!(kind, DP_HOST_STATUS | DP_HOST_STATE));
     // SAFETY: writable by the contract.
     unsafe {
         (*out).kind = kind;

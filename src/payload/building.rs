@@ -68,8 +68,10 @@ pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar)
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int {
-    // SAFETY: each is NULL or the caller's whole object.
-    unsafe { build(msg, position_from(target).map(Message::Move).as_ref(), Layout::Auto) }
+    // SAFETY: NULL or the caller's whole object.
+    let Some(target) = (unsafe { position_from(target) }) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
 }
 
 /// Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
@@ -89,9 +91,12 @@ pub unsafe extern "C" fn dp_build_status_report(
     report: *const StatusReport,
     layout: c_int,
 ) -> c_int {
-    let Some(layout) = layout_of(layout) else { return DP_RC_ERROR_GENERIC };
-    // SAFETY: each is NULL or the caller's whole object.
-    unsafe { build(msg, report_from(report).map(Message::StatusReport).as_ref(), layout) }
+    // SAFETY: NULL or the caller's whole object.
+    let (Some(report), Some(layout)) = (unsafe { report_from(report) }, layout_of(layout)) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { build(msg, Some(&Message::StatusReport(report)), layout) }
 }
 
 /// Fills in a message; leaves it alone when there is none to write or it does not fit.

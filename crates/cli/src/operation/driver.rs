@@ -194,7 +194,7 @@ impl<'a> Driver<'a> {
     }
 
     pub(crate) fn last_report(&self) -> Option<Report> {
-        self.host.last_report()
+        self.host.last_report().copied()
     }
 
     pub(crate) fn health(&self) -> &Health {
@@ -338,8 +338,10 @@ impl Turn {
     fn handle(&mut self, event: Event, host: &mut Host, reporter: &mut Reporter) -> Option<End> {
         match event {
             Event::Accepted(_) if self.no_wait => return Some(End::Accepted),
-            Event::State(report) if self.request != Request::Status => reporter.state(&report),
-            Event::Status(report) => reporter.progress(&report),
+            Event::State if self.request != Request::Status => {
+                host.last_report().into_iter().for_each(|report| reporter.state(report));
+            }
+            Event::Status => host.last_report().into_iter().for_each(|report| reporter.progress(report)),
             Event::GeneralError => reporter.error(),
             Event::Ended(Opcode::STATUS, _) if self.outcome.is_some() => return self.outcome.map(End::Outcome),
             Event::Ended(opcode, outcome) if opcode == self.request.opcode() => return self.end_or_ask(outcome, host),

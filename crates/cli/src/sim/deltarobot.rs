@@ -143,7 +143,8 @@ impl Machine for Controller {
         self.turned = now;
         let report = self.robot.report(self.is_firmware);
         if let Some(end) = self.session.ended(&report) {
-            if let Some(end) = end.filter(|_| !self.is_firmware) {
+            let end = end.filter(|_| !self.is_firmware).and_then(|end| Message::read(end, &[], Layout::Auto));
+            if let Some(end) = end {
                 self.say(&end, out);
             }
             self.report(out);

@@ -21,7 +21,7 @@
 //!
 //! ```
 //! use deltarobot_protocols::deltarobot::controller::{Controller, Decision};
-//! use deltarobot_protocols::deltarobot::{Message, Position, Report, receiver_room};
+//! use deltarobot_protocols::deltarobot::{Opcode, Position, Report, receiver_room};
 //!
 //! let mut controller = Controller::<{ receiver_room(32) }>::new();
 //! assert_eq!(controller.receive(b"$H\0\xA6:"), 5);
@@ -30,12 +30,12 @@
 //! assert_eq!(decision, Decision::Home);
 //! // The arms start; `A` and `s` are sent; some time later they stand.
 //! controller.started(&decision);
-//! assert_eq!(controller.ended(&Report::new(Position([0; 3]), 0)), Some(Some(Message::HomingFinished)));
+//! assert_eq!(controller.ended(&Report::new(Position([0; 3]), 0)), Some(Some(Opcode::HOMING_REPL)));
 //! ```
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{Layout, Message, Opcode, Position, Receiver, Report, State};
+use super::{Opcode, POSITION_SIZE, Position, Receiver, Report, State};
 
 /// A controller with a [`Receiver`] of `ROOM` bytes. All zero is one that does nothing and answers like shipped
 /// firmware.
@@ -55,8 +55,10 @@ pub struct Controller<const ROOM: usize> {
 pub struct Request {
     /// What is requested.
     pub opcode: Opcode,
-    /// `None` when the length is wrong for the opcode.
-    message: Option<Message>,
+    /// Whether the length is right for the opcode.
+    is_whole: bool,
+    /// Of a move.
+    target: Position,
 }
 
 /// What to do about a request.
@@ -100,10 +102,16 @@ impl<const ROOM: usize> Controller<ROOM> {
     pub fn request(&mut self, idle: bool) -> Option<Request> {
         loop {
             let frame = if idle { self.receiver.next_idle(&mut ()) } else { self.receiver.next() }.ok()?;
-            if matches!(frame.opcode, Opcode::HOMING | Opcode::MOVE | Opcode::CANCEL | Opcode::STATUS) {
-                let message = Message::read(frame.opcode, frame.payload, Layout::Auto);
-                return Some(Request { opcode: frame.opcode, message });
-            }
+            let length = match frame.opcode {
+                Opcode::MOVE => POSITION_SIZE,
+                Opcode::HOMING | Opcode::CANCEL | Opcode::STATUS => 0,
+                _ => continue,
+            };
+            return Some(Request {
+                opcode: frame.opcode,
+                is_whole: frame.payload.len() == length,
+                target: Position::read(frame.payload).unwrap_or(Position::UNKNOWN),
+            });
         }
     }
 
@@ -114,20 +122,22 @@ impl<const ROOM: usize> Controller<ROOM> {
         match request.opcode {
             Opcode::STATUS => return Decision::Report,
             Opcode::MOVE if !now.position.is_known() => return Decision::RefuseOnly,
-            _ if state == State::Error => return Decision::Refuse,
+            _ if state == State::Error || !request.is_whole => return Decision::Refuse,
+            Opcode::CANCEL => return Decision::Cancel,
+            Opcode::MOVE if !request.target.is_known() => return Decision::Refuse,
             _ => (),
         }
         let is_running = matches!(state, State::Homing | State::Moving);
         let is_same = is_running && self.operation == request.opcode.0;
-        match request.message {
-            Some(Message::Cancel) => Decision::Cancel,
-            Some(Message::Move(target)) if !target.is_known() => Decision::Refuse,
-            Some(Message::Move(target)) if is_same && target.is_same(self.target) => Decision::Accept,
-            Some(Message::Homing) if is_same => Decision::Accept,
-            Some(_) if is_running && self.refuses_busy != 0 => Decision::Refuse,
-            Some(Message::Homing) => Decision::Home,
-            Some(Message::Move(target)) => Decision::Move(target),
-            _ => Decision::Refuse,
+        let is_move = request.opcode == Opcode::MOVE;
+        if is_same && (!is_move || request.target.is_same(self.target)) {
+            Decision::Accept
+        } else if is_running && self.refuses_busy != 0 {
+            Decision::Refuse
+        } else if is_move {
+            Decision::Move(request.target)
+        } else {
+            Decision::Home
         }
     }
 
@@ -158,13 +168,13 @@ impl<const ROOM: usize> Controller<ROOM> {
         }
     }
 
-    /// Whether the operation going on is over, and if so, the specification's message about that.
-    pub fn ended(&mut self, now: &Report) -> Option<Option<Message>> {
+    /// Whether the operation going on is over, and if so, the opcode of the specification's message about that.
+    pub fn ended(&mut self, now: &Report) -> Option<Option<Opcode>> {
         let end = match (now.state(), Opcode(self.operation)) {
             (_, Opcode(0)) | (State::Homing | State::Moving, _) => return None,
-            (State::Error, _) => Some(Message::GeneralError),
-            (State::Idle, Opcode::HOMING) => Some(Message::HomingFinished),
-            (State::Idle, Opcode::MOVE) => Some(Message::MoveFinished),
+            (State::Error, _) => Some(Opcode::GENERAL_ERR),
+            (State::Idle, Opcode::HOMING) => Some(Opcode::HOMING_REPL),
+            (State::Idle, Opcode::MOVE) => Some(Opcode::MOVE_REPL),
             (State::Idle, _) => None,
         };
         self.operation = 0;
@@ -180,7 +190,7 @@ impl<const ROOM: usize> Default for Controller<ROOM> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Decision, Message, Opcode, Position, Report};
+    use super::{Decision, Opcode, Position, Report};
     use crate::deltarobot::receiver_room;
 
     type Controller = super::Controller<{ receiver_room(12) }>;
@@ -238,9 +248,9 @@ mod tests {
         let mut it = Controller::new();
         let report = |state| Report::new(HOME, state);
         for (decision, state, end) in [
-            (Decision::Home, 0, Some(Some(Message::HomingFinished))),
-            (Decision::Move(TARGET), 0, Some(Some(Message::MoveFinished))),
-            (Decision::Home, 3, Some(Some(Message::GeneralError))),
+            (Decision::Home, 0, Some(Some(Opcode::HOMING_REPL))),
+            (Decision::Move(TARGET), 0, Some(Some(Opcode::MOVE_REPL))),
+            (Decision::Home, 3, Some(Some(Opcode::GENERAL_ERR))),
         ] {
             assert!(!it.is_active());
             it.started(&decision);

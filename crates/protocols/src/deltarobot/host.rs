@@ -71,12 +71,13 @@ mod timers;
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report};
+use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report, encode};
 use crate::session::{Flags, count, flags};
 use link::Link;
 pub use request::Outcome;
 use request::{Request, Stage};
 pub use settings::{Health, Settings};
+use timers::NEVER;
 
 /// A host session with a [`Receiver`](super::Receiver) of `ROOM` bytes. All zero is a new one with default settings.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
@@ -127,10 +128,10 @@ flags! {
 pub enum Event {
     /// A message was received (where [`Settings::messages`] asks for these), with this many bytes of payload.
     Message(Opcode, usize),
-    /// A status report was received.
-    Status(Report),
-    /// The platform's state is another one than in the report before this one.
-    State(Report),
+    /// A status report was received: [`Host::last_report`].
+    Status,
+    /// The platform's state is another one than in the report before.
+    State,
     /// A general error was received.
     GeneralError,
     /// The operation was accepted.
@@ -210,7 +211,7 @@ impl<const ROOM: usize> Host<ROOM> {
 
     /// The last status report, if there was one.
     #[must_use]
-    pub fn last_report(&self) -> Option<Report> {
+    pub fn last_report(&self) -> Option<&Report> {
         self.session.last_report()
     }
 
@@ -259,21 +260,17 @@ impl<const ROOM: usize> Host<ROOM> {
     /// leaves.
     pub fn output(&mut self, frame: &mut [u8; REQUEST_MAX], room: usize, now: u32) -> usize {
         let session = &mut self.session;
-        let operation = match session.operation_opcode() {
-            Opcode::MOVE => Message::Move(session.target),
-            _ => Message::Homing,
-        };
-        for (request, message) in [
-            (&mut session.cancel, Message::Cancel),
-            (&mut session.operation, operation),
-            (&mut session.status, Message::Status),
+        let (operation, target) = (session.operation_opcode(), session.target.to_wire());
+        let payload = if operation == Opcode::MOVE { &target[..] } else { &[] };
+        for (request, opcode, payload) in [
+            (&mut session.cancel, Opcode::CANCEL, &[][..]),
+            (&mut session.operation, operation, payload),
+            (&mut session.status, Opcode::STATUS, &[]),
         ] {
-            if request.is_to_send() {
-                let length = message.encode(Layout::Auto, frame).unwrap_or_default();
-                if length <= room {
-                    request.leaves(now);
-                    return length;
-                }
+            let length = payload.len().wrapping_add(FRAME_OVERHEAD);
+            if request.is_to_send() && length <= room {
+                request.leaves(now);
+                return encode(opcode, payload, frame).unwrap_or_default();
             }
         }
         0
@@ -284,7 +281,8 @@ impl<const ROOM: usize> Host<ROOM> {
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         let gap = self.link.gap_left(now, self.session.settings.gap());
-        [gap, self.session.next_deadline(now)].into_iter().flatten().min()
+        let left = gap.min(self.session.time_left(now));
+        (left != NEVER).then_some(left)
     }
 }
 
@@ -324,14 +322,14 @@ impl Session {
         }
     }
 
-    fn last_report(&self) -> Option<Report> {
-        (self.has_report != 0).then_some(self.report)
+    fn last_report(&self) -> Option<&Report> {
+        (self.has_report != 0).then_some(&self.report)
     }
 
     fn next_event(&mut self) -> Option<Event> {
         match self.notices.take_first() {
-            Some(Notice::Status) => return Some(Event::Status(self.report)),
-            Some(Notice::State) => return Some(Event::State(self.report)),
+            Some(Notice::Status) => return Some(Event::Status),
+            Some(Notice::State) => return Some(Event::State),
             Some(Notice::GeneralError) => return Some(Event::GeneralError),
             Some(Notice::Accepted) => return Some(Event::Accepted(self.operation_opcode())),
             None => (),

@@ -3,6 +3,7 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::settings::Health;
+use super::timers::NEVER;
 use crate::deltarobot::{Frame, Receiver};
 use crate::session::{count, left};
 
@@ -45,15 +46,15 @@ impl<const ROOM: usize> Link<ROOM> {
         core::mem::replace(&mut self.has_more, 0) != 0
     }
 
-    /// How long until what is incomplete can be given up; `None` when there is nothing.
-    pub(super) fn gap_left(&self, now: u32, gap: u32) -> Option<u32> {
-        (!self.receiver.is_empty()).then(|| left(now, self.arrived_at, gap))
+    /// How long until what is incomplete can be given up.
+    pub(super) fn gap_left(&self, now: u32, gap: u32) -> u32 {
+        if self.receiver.is_empty() { NEVER } else { left(now, self.arrived_at, gap) }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Health, Link};
+    use super::{Health, Link, NEVER};
     use crate::deltarobot::receiver_room;
 
     fn feed(link: &mut Link<{ receiver_room(12) }>, health: &mut Health, bytes: &[u8]) -> std::vec::Vec<u8> {
@@ -89,12 +90,12 @@ mod tests {
     fn what_is_incomplete_is_given_up_after_the_gap() {
         let (mut link, mut health) = (Link::new(), Health::new());
         assert_eq!(feed(&mut link, &mut health, b"$M\x0C$S\0\xB1:"), b"");
-        assert_eq!(link.gap_left(20, 50), Some(30));
+        assert_eq!(link.gap_left(20, 50), 30);
         assert!(link.next(49, 50, &mut health).is_none());
         link.has_more = 1;
         assert!(link.next(50, 50, &mut health).is_none());
         assert!(link.take_has_more() && !link.take_has_more());
         assert_eq!(link.next(50, 50, &mut health).map(|frame| frame.opcode.0), Some(b'S'));
-        assert_eq!((health.garbage_bytes, link.gap_left(50, 50)), (3, None));
+        assert_eq!((health.garbage_bytes, link.gap_left(50, 50)), (3, NEVER));
     }
 }

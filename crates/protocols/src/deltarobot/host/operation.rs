@@ -125,7 +125,7 @@ impl Session {
     }
 
     fn reported(&mut self, report: &Report, now: u32) {
-        if self.last_report().map(|last| last.state()) != Some(report.state()) {
+        if self.last_report().is_none_or(|last| last.state() != report.state()) {
             self.notices.set(Notice::State);
         }
         self.has_report = 1;
@@ -224,8 +224,7 @@ mod tests {
     /// What the session reports when that comes, other than reports.
     fn event(host: &mut Session, message: Message, now: u32) -> Option<Event> {
         host.session.handle(&message, now);
-        core::iter::from_fn(|| host.session.next_event())
-            .find(|event| !matches!(event, Event::Status(_) | Event::State(_)))
+        core::iter::from_fn(|| host.session.next_event()).find(|event| !matches!(event, Event::Status | Event::State))
     }
 
     fn moving() -> Session {

@@ -2,39 +2,43 @@
 
 use super::Session;
 use super::operation::Fact;
-use super::request::{Outcome, Stage};
+use super::request::{Outcome, Request, Stage};
 use crate::session::{Flags, count, left};
+
+/// The time left where nothing is due. Other times are shorter.
+pub(super) const NEVER: u32 = u32::MAX;
 
 impl Session {
     /// How long until [`on_timer`](Self::on_timer) has something to do, or 0 when events or frames are to be fetched.
-    pub(super) fn next_deadline(&self, now: u32) -> Option<u32> {
+    pub(super) fn time_left(&self, now: u32) -> u32 {
         let requests = [&self.cancel, &self.operation, &self.status];
         if !self.notices.is_empty()
             || requests.iter().any(|request| request.is_to_send() || request.stage() == Stage::Ended)
         {
-            return Some(0);
+            return 0;
         }
-        [self.cancel_left(now), self.operation_left(now), self.status_left(now)].into_iter().flatten().min()
+        self.request_left(&self.cancel, now).min(self.operation_left(now)).min(self.request_left(&self.status, now))
     }
 
     /// Does what is due. Nothing that was received is left to be handled.
     pub(super) fn on_timer(&mut self, now: u32) {
-        if self.cancel_left(now) == Some(0) {
+        if self.request_left(&self.cancel, now) == 0 {
             self.cancel_due(now);
         }
-        if self.operation_left(now) == Some(0) {
+        if self.operation_left(now) == 0 {
             self.operation_due(now);
         }
-        if self.status_left(now) == Some(0) {
+        if self.request_left(&self.status, now) == 0 {
             self.status_due(now);
         }
     }
 
-    fn cancel_left(&self, now: u32) -> Option<u32> {
-        match self.cancel.stage() {
-            Stage::Queued => Some(0),
-            Stage::Sent => Some(self.cancel.left(now, self.settings.ack())),
-            _ => None,
+    /// How long until a cancel or status request is due.
+    fn request_left(&self, request: &Request, now: u32) -> u32 {
+        match request.stage() {
+            Stage::Queued => 0,
+            Stage::Sent => request.left(now, self.settings.ack()),
+            _ => NEVER,
         }
     }
 
@@ -53,17 +57,17 @@ impl Session {
         self.operation.withhold();
     }
 
-    fn operation_left(&self, now: u32) -> Option<u32> {
+    fn operation_left(&self, now: u32) -> u32 {
         let settings = &self.settings;
         let poll = left(now, self.polled_at, settings.poll());
         match self.operation.stage() {
             // Behind the answer to a cancel request that has nothing to do with it.
-            Stage::Queued | Stage::Sent if self.cancel.is_going_on() => None,
-            Stage::Queued => Some(self.operation.previous_left(now, settings.guard())),
-            Stage::Sent => Some(self.operation.left(now, settings.ack())),
-            Stage::NackAfterRetry => Some(poll.min(self.resolution_left(now))),
-            Stage::Accepted => Some(poll.min(self.patience_left(now))),
-            Stage::Free | Stage::Ended => None,
+            Stage::Queued | Stage::Sent if self.cancel.is_going_on() => NEVER,
+            Stage::Queued => self.operation.previous_left(now, settings.guard()),
+            Stage::Sent => self.operation.left(now, settings.ack()),
+            Stage::NackAfterRetry => poll.min(self.resolution_left(now)),
+            Stage::Accepted => poll.min(self.patience_left(now)),
+            Stage::Free | Stage::Ended => NEVER,
         }
     }
 
@@ -94,14 +98,6 @@ impl Session {
             Stage::NackAfterRetry if self.resolution_left(now) == 0 => self.operation.end(Outcome::TimedOut),
             Stage::Accepted if self.patience_left(now) == 0 => self.operation.end(Outcome::TimedOut),
             _ => self.ask_status(now),
-        }
-    }
-
-    fn status_left(&self, now: u32) -> Option<u32> {
-        match self.status.stage() {
-            Stage::Queued => Some(0),
-            Stage::Sent => Some(self.status.left(now, self.settings.ack())),
-            _ => None,
         }
     }
 
