@@ -14,6 +14,8 @@
 mod examples;
 #[path = "common/headers.rs"]
 mod headers;
+#[path = "common/layouts.rs"]
+mod layouts;
 #[path = "deltarobot/oracle.rs"]
 mod oracle;
 mod packaging;

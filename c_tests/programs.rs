@@ -56,7 +56,7 @@ macro_rules! in_every_mode {
 
 programs! {
     deltarobot(Deltarobot): better.c controller.c cross_comm.cpp ext.c host_link.c host_session.c hostile.c
-        layout_cpp.cpp payload.c pc_utils.cpp reentrant.c threads.c;
+        values_cpp.cpp payload.c pc_utils.cpp reentrant.c threads.c;
     gx(Gx): contour.c contouring.c host.c hostile.c messages.c motion.c streams.c;
     line(Line): conversation.c device.c device_calls.c encoder.c host.c host_link.c messages.c;
     serial(Serial): serial.c;
@@ -68,9 +68,8 @@ mod special {
 
     in_every_mode! {
         gx_channel: Program::of("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
-        gx_layout: Program::of("gx_layout", &["gx/layout.c"]).language(Language::C11).family(Family::Gx);
         kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
-        layout: Program::of("layout", &["deltarobot/layout.c"]).language(Language::C11);
+        values: Program::of("values", &["deltarobot/values.c"]).language(Language::C11);
         line_layout: Program::of("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
         line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
         noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);

@@ -2,7 +2,6 @@
 //! header that came with the proposal; libdeltarobot/gx.h has what that lacks.
 
 use core::ffi::c_int;
-use core::mem::{align_of, offset_of, size_of};
 
 use deltarobot_export::export;
 use deltarobot_protocols::gx::{CommandReceiver, EncodeError, Format, Kind, MASK_AXES, Vector, write_move, write_step};
@@ -51,14 +50,6 @@ pub struct CPPackedVectorCommandBuffer {
     /// The bytes, as they are sent.
     pub bytes: [u8; 28],
 }
-
-const _: () = {
-    assert!(offset_of!(CPVectorCommand, targetVelocity) == 0 && offset_of!(CPVectorCommand, axisMask) == 2);
-    assert!(offset_of!(CPVectorCommand, axisPosition) == if align_of::<i32>() == 1 { 3 } else { 4 });
-    assert!(size_of::<CPVectorCommand>() == if align_of::<i32>() == 1 { 27 } else { 28 });
-    assert!(size_of::<CPPackedVectorCommandBuffer>() == 29);
-    assert!(offset_of!(CPPackedVectorCommandBuffer, bytes) == 1);
-};
 
 /// Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at.
 ///

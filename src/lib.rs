@@ -28,6 +28,7 @@ pub mod gx_host;
 pub mod gx_motion;
 pub mod host;
 pub mod kinematics;
+mod layouts;
 pub mod line_device;
 pub mod line_host;
 pub mod line_protocol;

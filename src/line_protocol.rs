@@ -28,7 +28,7 @@
 //! ```
 
 use core::ffi::{c_char, c_int, c_uint};
-use core::mem::{align_of, offset_of, size_of};
+use core::mem::{align_of, size_of};
 use core::ptr::null;
 
 use deltarobot_protocols::line;
@@ -146,15 +146,6 @@ const _: () = {
     const fn up(size: usize) -> usize {
         size.next_multiple_of(align_of::<*const c_char>())
     }
-    assert!(offset_of!(LineMessage, line) == 0 && offset_of!(LineMessage, length) == POINTER);
-    assert!(offset_of!(LineMessage, count) == POINTER + INT && offset_of!(LineMessage, checksum) == POINTER + 2 * INT);
-    assert!(offset_of!(LineMessage, sum) == POINTER + 3 * INT && size_of::<LineMessage>() == up(POINTER + 4 * INT));
-    assert!(offset_of!(LineParam, name) == 0 && offset_of!(LineParam, name_length) == POINTER);
-    assert!(offset_of!(LineParam, value) == up(POINTER + INT));
-    assert!(offset_of!(LineParam, value_length) == up(POINTER + INT) + POINTER);
-    assert!(size_of::<LineParam>() == 2 * up(POINTER + INT));
-    assert!(offset_of!(LineText, kind) == 0 && offset_of!(LineText, text) == up(INT));
-    assert!(offset_of!(LineText, length) == up(INT) + POINTER && size_of::<LineText>() == up(up(INT) + POINTER + INT));
     assert!(size_of::<LineEncoder>() == up(POINTER + 3 * INT));
     assert!(OLP_COMMAND_MAX as usize == line::COMMAND_MAX && OLP_DECIMALS_MAX as usize == line::DECIMALS_MAX as usize);
 };

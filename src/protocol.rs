@@ -1,7 +1,7 @@
 //! `libdeltarobot/protocol.h`: frames of the deltarobot message format, specification v1.0.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
-use core::mem::{MaybeUninit, align_of, offset_of, size_of};
+use core::mem::MaybeUninit;
 use core::slice;
 
 use super::memory::{bytes_of, int};
@@ -91,27 +91,6 @@ pub struct Position {
     /// Displacement of arm C.
     pub DC: c_float,
 }
-
-// The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "evaluated by the compiler")]
-const _: () = {
-    const INT: usize = size_of::<c_int>();
-    const fn align_up(size: usize) -> usize {
-        size.next_multiple_of(align_of::<c_int>())
-    }
-    assert!(align_of::<ProtocolMsg>() == align_of::<c_int>());
-    assert!(offset_of!(ProtocolMsg, opcode) == 0);
-    assert!(offset_of!(ProtocolMsg, data_s) == align_up(1));
-    assert!(offset_of!(ProtocolMsg, data) == align_up(1) + INT);
-    assert!(offset_of!(ProtocolMsg, checksum_ok) == align_up(1) + INT + align_up(DP_DATA_MAX_SIZE));
-    assert!(size_of::<ProtocolMsg>() == align_up(1) + INT + align_up(DP_DATA_MAX_SIZE) + INT);
-
-    assert!(offset_of!(Position, DA) == 0 && offset_of!(Position, DB) == 4 && offset_of!(Position, DC) == 8);
-    assert!(size_of::<Position>() == 12);
-    assert!(offset_of!(StatusReport, DA) == 0 && offset_of!(StatusReport, DB) == 4);
-    assert!(offset_of!(StatusReport, DC) == 8 && offset_of!(StatusReport, STAT) == 12);
-    assert!(size_of::<StatusReport>() == (12 + 1_usize).next_multiple_of(align_of::<c_float>()));
-};
 
 /// Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
 /// The frame may be changed, and is gone when the function returns.

@@ -48,18 +48,18 @@ state!(Serial: Port);
 #[repr(C)]
 pub struct Settings {
     /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
-    baud: c_ulong,
+    pub baud: c_ulong,
     /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored where
     /// there is no such line, as in a pseudo-terminal.
     ///
     /// Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
     /// that shall not be reset has to be closed with `keep_lines` the time before.
-    dtr: c_int,
+    pub dtr: c_int,
     /// RTS after opening, likewise. Both change at once.
-    rts: c_int,
+    pub rts: c_int,
     /// Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
     /// Windows always drops them.
-    keep_lines: c_int,
+    pub keep_lines: c_int,
 }
 
 impl From<Settings> for port::Settings {

@@ -66,5 +66,5 @@ int main()
     default:
         break;
     }
-    return check_summary("layout_cpp");
+    return check_summary("values_cpp");
 }

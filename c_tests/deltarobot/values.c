@@ -1,15 +1,16 @@
 /*
- * Everything existing programs rely on at compile time: layouts, values and types of protocol.h's macros, free names.
- * And the layouts of host.h and controller.h, and the results that all protocols share.
+ * What existing programs rely on at compile time besides layouts: values and types of protocol.h's macros, free names.
+ * And the values that the protocols share. In C11, for _Generic.
  */
-#include "libdeltarobot/controller.h"
+#include "ContouringProtocol.h"
 #include "libdeltarobot/gx.h"
 #include "libdeltarobot/host.h"
 #include "libdeltarobot/line_host.h"
 #include "libdeltarobot/protocol.h"
 
 #include "check.h"
-#include "layout.h"
+
+#define SAME(a, b) _Static_assert((a) == (b), #a " is not " #b)
 
 #define IS_INT(macro, value)                                                                                           \
     SAME(macro, value);                                                                                                \
@@ -18,42 +19,6 @@
     SAME(macro, value);                                                                                                \
     _Static_assert(_Generic((macro), unsigned char: 1, default: 0), #macro " is not an unsigned char")
 #define HAS_TYPE(object, type) _Static_assert(_Generic(&(object), type *: 1, default: 0), #object " is not " #type)
-
-AT(protocol_msg, opcode, 0);
-AT(protocol_msg, data_s, _Alignof(int));
-AT(protocol_msg, data, _Alignof(int) + sizeof(int));
-AT(protocol_msg, checksum_ok, UP(_Alignof(int) + INT + DP_DATA_MAX_SIZE, int));
-SAME(sizeof(struct protocol_msg), offsetof(struct protocol_msg, checksum_ok) + sizeof(int));
-SAME(_Alignof(struct protocol_msg), _Alignof(int));
-
-AT(protocol_data, m_buf, 0);
-AT(protocol_data, m_idx, UP(DP_BUFSIZE, int));
-AT(protocol_data, m_sz, UP(DP_BUFSIZE, int) + sizeof(int));
-SAME(sizeof(struct protocol_data), UP(DP_BUFSIZE, int) + 2 * sizeof(int));
-SAME(_Alignof(struct protocol_data), _Alignof(int));
-
-AT(protocol_msg_status_report, DA, 0);
-AT(protocol_msg_status_report, DB, 4);
-AT(protocol_msg_status_report, DC, 8);
-AT(protocol_msg_status_report, STAT, 12);
-SAME(sizeof(struct protocol_msg_status_report), 16);
-SAME(_Alignof(struct protocol_msg_status_report), _Alignof(float));
-
-AT(protocol_msg_position, DA, 0);
-AT(protocol_msg_position, DB, 4);
-AT(protocol_msg_position, DC, 8);
-SAME(sizeof(struct protocol_msg_position), 12);
-SAME(_Alignof(struct protocol_msg_position), _Alignof(float));
-
-#if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32 && defined(__x86_64__)
-SAME(sizeof(struct protocol_msg), 44);
-AT(protocol_msg, data_s, 4);
-AT(protocol_msg, data, 8);
-AT(protocol_msg, checksum_ok, 40);
-SAME(sizeof(struct protocol_data), 136);
-AT(protocol_data, m_idx, 128);
-AT(protocol_data, m_sz, 132);
-#endif
 
 /* The sizes may be compared by the preprocessor. */
 #if DP_BUFSIZE < 6 || DP_DATA_MAX_SIZE < 1 || DP_DATA_MAX_SIZE > 255
@@ -98,12 +63,10 @@ IS_OPCODE(DP_OPCODE_MOVE_REPL, 'm');
 IS_OPCODE(DP_OPCODE_GENERAL_ERR, 'e');
 
 /* A literal: it has its own size, and joins its neighbours. */
-SAME(sizeof(DP_PROTO_ALL_OPCODES), 11);
 static const char joined[] = "<" DP_PROTO_ALL_OPCODES ">";
 
 /* Operators bind outside the macros' replacement. */
 SAME(DP_BIT_STAT_STOP_A_BIT + 1, 5);
-SAME(sizeof DP_OPCODE_ACK, 1);
 
 static struct protocol_msg message;
 static struct protocol_data ring;
@@ -114,56 +77,6 @@ HAS_TYPE(message.checksum_ok, int);
 HAS_TYPE(ring.m_buf[0], char);
 HAS_TYPE(ring.m_idx, int);
 HAS_TYPE(ring.m_sz, int);
-SAME(sizeof message.data, DP_DATA_MAX_SIZE);
-SAME(sizeof ring.m_buf, DP_BUFSIZE);
-
-/* --- host.h and controller.h --- */
-
-AT(dp_host_settings, ack_ms, 0);
-AT(dp_host_settings, guard_ms, LONG);
-AT(dp_host_settings, settle_ms, 2 * LONG);
-AT(dp_host_settings, poll_ms, 3 * LONG);
-AT(dp_host_settings, silence_ms, 4 * LONG);
-AT(dp_host_settings, operation_ms, 5 * LONG);
-AT(dp_host_settings, gap_ms, 6 * LONG);
-AT(dp_host_settings, tolerance, 7 * LONG);
-AT(dp_host_settings, attempts, 7 * LONG + 4);
-AT(dp_host_settings, layout, 7 * LONG + 4 + INT);
-AT(dp_host_settings, messages, 7 * LONG + 4 + 2 * INT);
-AT(dp_host_settings, duplicates, 7 * LONG + 4 + 3 * INT);
-SAME(sizeof(struct dp_host_settings), UP(7 * LONG + 4 + 4 * INT, unsigned long));
-
-AT(dp_host_health, frames, 0);
-AT(dp_host_health, malformed, LONG);
-AT(dp_host_health, strays, 2 * LONG);
-AT(dp_host_health, garbage_bytes, 3 * LONG);
-AT(dp_host_health, checksum_failures, 4 * LONG);
-AT(dp_host_health, timeouts, 5 * LONG);
-AT(dp_host_health, retransmissions, 6 * LONG);
-AT(dp_host_health, rtt_count, 7 * LONG);
-AT(dp_host_health, rtt_last, 8 * LONG);
-AT(dp_host_health, rtt_min, 9 * LONG);
-AT(dp_host_health, rtt_max, 10 * LONG);
-AT(dp_host_health, rtt_sum, 11 * LONG);
-SAME(sizeof(struct dp_host_health), 12 * LONG);
-
-SAME(sizeof(struct dp_host), (DP_DATA_MAX_SIZE / 4 + 56) * LONG);
-
-AT(dp_host_event, kind, 0);
-AT(dp_host_event, opcode, INT);
-AT(dp_host_event, outcome, INT + UP(1, int));
-AT(dp_host_event, state, offsetof(struct dp_host_event, outcome) + INT);
-AT(dp_host_event, report, UP(offsetof(struct dp_host_event, state) + INT, float));
-AT(dp_host_event, msg, UP(offsetof(struct dp_host_event, report) + sizeof(struct protocol_msg_status_report), int));
-SAME(sizeof(struct dp_host_event), offsetof(struct dp_host_event, msg) + sizeof(struct protocol_msg));
-
-AT(dp_controller_calls, home, 0);
-AT(dp_controller_calls, move, POINTER);
-AT(dp_controller_calls, cancel, 2 * POINTER);
-AT(dp_controller_calls, read, 3 * POINTER);
-AT(dp_controller_calls, send, 4 * POINTER);
-SAME(sizeof(struct dp_controller_calls), 5 * POINTER);
-SAME(sizeof(struct dp_controller), (DP_DATA_MAX_SIZE / 4 + 13) * LONG);
 
 /* All of the messages have texts of that length at most, whatever the sizes. */
 SAME(DP_MSG_TEXT_MAX, 96);
@@ -191,6 +104,17 @@ SAME(GX_RC_BUSY, DP_RC_BUSY);
 SAME(GX_RC_NO_EVENT, DP_RC_NO_EVENT);
 SAME(GX_RC_RANGE, OLP_RC_RANGE);
 SAME(GX_RC_NOT_FOUND, OLP_RC_NOT_FOUND);
+
+/* --- ContouringProtocol.h --- */
+
+SAME(CPAxis_x + CPAxis_y + CPAxis_z + CPAxis_a + CPAxis_b + CPAxis_c, 15);
+SAME(1 << CPAxis_x, CPMask_x);
+SAME(1 << CPAxis_y, CPMask_y);
+SAME(1 << CPAxis_z, CPMask_z);
+SAME(1 << CPAxis_a, CPMask_a);
+SAME(1 << CPAxis_b, CPMask_b);
+SAME(1 << CPAxis_c, CPMask_c);
+SAME(CPMask_velocity, 64);
 
 /* --- what can only be seen at work --- */
 
@@ -241,5 +165,5 @@ int main(void)
     CHECK_INT(send(&message, plain_callback, NULL), 5);
     CHECK_INT(process(protocol_data, message.data, 0), DP_RC_SUCCESS);
     CHECK_INT(recv(protocol_data, &message), DP_RC_NO_FRAME);
-    return check_summary("layout");
+    return check_summary("values");
 }

@@ -1,0 +1,87 @@
+//! The layouts of the structs whose fields C sees, as a list apart from their declarations: a field that changes its
+//! place does so on purpose. The C tests assert the same list of the headers.
+
+use core::ffi::{c_char, c_float, c_int, c_uchar, c_uint, c_ulong};
+
+use super::sizes::DP_DATA_MAX_SIZE;
+use super::{contouring_protocol, controller, gx, gx_host, gx_motion, host, kinematics, line_protocol, protocol};
+
+/// A pointer to a function.
+type Function = Option<unsafe extern "C" fn()>;
+
+macro_rules! layouts {
+    ($($(#[$attribute:meta])* $in_c:ident = $name:ty { $($field:ident: $type:ty),* $(,)? })*) => {$(
+        $(#[$attribute])*
+        const _: () = {
+            #[repr(C)]
+            #[allow(non_snake_case, dead_code, reason = "the original's names; for its layout alone")]
+            struct Listed { $($field: $type),* }
+            assert!(size_of::<Listed>() == size_of::<$name>() && align_of::<Listed>() == align_of::<$name>());
+            $(assert!(core::mem::offset_of!(Listed, $field) == core::mem::offset_of!($name, $field));)*
+        };
+    )*};
+}
+
+layouts! {
+    protocol_msg = protocol::ProtocolMsg {
+        opcode: c_uchar, data_s: c_int, data: [c_char; DP_DATA_MAX_SIZE], checksum_ok: c_int,
+    }
+    protocol_msg_status_report = protocol::StatusReport { DA: c_float, DB: c_float, DC: c_float, STAT: c_uchar }
+    protocol_msg_position = protocol::Position { DA: c_float, DB: c_float, DC: c_float }
+    dp_host_settings = host::HostSettings {
+        ack_ms: c_ulong, guard_ms: c_ulong, settle_ms: c_ulong, poll_ms: c_ulong, silence_ms: c_ulong,
+        operation_ms: c_ulong, gap_ms: c_ulong, tolerance: c_float, attempts: c_int, layout: c_int, messages: c_int,
+        duplicates: c_int,
+    }
+    dp_host_health = host::HostHealth {
+        frames: c_ulong, malformed: c_ulong, strays: c_ulong, garbage_bytes: c_ulong, checksum_failures: c_ulong,
+        timeouts: c_ulong, retransmissions: c_ulong, rtt_count: c_ulong, rtt_last: c_ulong, rtt_min: c_ulong,
+        rtt_max: c_ulong, rtt_sum: c_ulong,
+    }
+    dp_host_event = host::event::HostEvent {
+        kind: c_int, opcode: c_uchar, outcome: c_int, state: c_int, report: protocol::StatusReport,
+        msg: protocol::ProtocolMsg,
+    }
+    dp_controller_calls = controller::Calls {
+        home: Function, r#move: Function, cancel: Function, read: Function, send: Function,
+    }
+
+    #[cfg(all(unix, feature = "serial"))]
+    dp_serial_settings = super::serial::Settings { baud: c_ulong, dtr: c_int, rts: c_int, keep_lines: c_int }
+    dp_robot_configuration = kinematics::RobotConfiguration {
+        A1: [c_float; 3], A2: [c_float; 3], A3: [c_float; 3], d_B1B3: c_float, d_e: c_float,
+    }
+
+    olp_message = line_protocol::LineMessage {
+        line: *const c_char, length: c_int, count: c_int, checksum: c_int, sum: c_uint,
+    }
+    olp_param = line_protocol::LineParam {
+        name: *const c_char, name_length: c_int, value: *const c_char, value_length: c_int,
+    }
+    olp_line = line_protocol::LineText { kind: c_int, text: *const c_char, length: c_int }
+
+    gx_vector = gx::Vector { velocity: u16, mask: c_uchar, axes: [i32; 6] }
+    gx_number = gx::Number { value: u16, format: c_uchar }
+    gx_item = gx::Item {
+        kind: c_int, number: gx::Number, format: c_uchar, code: c_uchar, period: u16, vector: gx::Vector,
+    }
+    gx_host_settings = gx_host::Settings {
+        answer_ms: c_ulong, probe_ms: c_ulong, move_ms: c_ulong, gap_ms: c_ulong, attempts: c_int, window: c_int,
+        ascii: c_int, first_number: c_int,
+    }
+    gx_host_health = gx_host::Health {
+        moves: c_ulong, repeats: c_ulong, completions: c_ulong, errors: c_ulong, strays: c_ulong, reports: c_ulong,
+        malformed: c_ulong, timeouts: c_ulong, sessions: c_ulong,
+    }
+    gx_host_event = gx_host::HostEvent {
+        kind: c_int, outcome: c_int, code: c_int, number: c_int, position: gx::Vector,
+    }
+    gx_motion_settings = gx_motion::Settings { gap_ms: c_ulong, axes: c_int, only_in_order: c_int }
+    gx_motion_health = gx_motion::Health {
+        moves: c_ulong, repeats: c_ulong, refused: c_ulong, malformed: c_ulong, reports: c_ulong,
+    }
+    gx_motion_event = gx_motion::MotionEvent { kind: c_int, number: c_int, code: c_int, period: c_int }
+
+    CPVectorCommand = contouring_protocol::CPVectorCommand { targetVelocity: u16, axisMask: u8, axisPosition: [i32; 6] }
+    CPPackedVectorCommandBuffer = contouring_protocol::CPPackedVectorCommandBuffer { length: u8, bytes: [u8; 28] }
+}
