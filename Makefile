@@ -20,6 +20,7 @@ PREFIX     ?= /usr/local
 LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 BINDIR     ?= $(PREFIX)/bin
+DATADIR    ?= $(PREFIX)/share
 
 CARGO  ?= cargo
 CFLAGS ?= -O2
@@ -169,11 +170,25 @@ cli: ## builds the program `deltarobot`
 	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot,$(OUT)/deltarobot)
 	@echo "cli: $(OUT)/deltarobot"
 
-install-cli: $(if $(shell command -v $(CARGO)),cli) ## installs the program in BINDIR, below PREFIX
+# Where shells look for completions, and what `deltarobot completions` calls the shells.
+COMPLETIONS := bash:bash-completion/completions/deltarobot zsh:zsh/site-functions/_deltarobot \
+    fish:fish/vendor_completions.d/deltarobot.fish
+
+# The program itself writes its manual pages and completions: not when it was built for another machine.
+install-cli: $(if $(shell command -v $(CARGO)),cli) ## installs the program in BINDIR, its manual and completions in DATADIR, below PREFIX
 	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot '$(DESTDIR)$(BINDIR)/deltarobot'
+	$(Q)if $(OUT)/deltarobot --version >/dev/null 2>&1; then \
+	    $(OUT)/deltarobot man '$(DESTDIR)$(DATADIR)/man/man1' && \
+	    for shell in $(COMPLETIONS); do \
+	        file='$(DESTDIR)$(DATADIR)'/$${shell#*:} && mkdir -p "$${file%/*}" && \
+	        $(OUT)/deltarobot completions $${shell%%:*} >"$$file" || exit; \
+	    done; \
+	fi
 	@echo "install-cli: deltarobot is in $(DESTDIR)$(BINDIR)"
 uninstall-cli: ## removes the program from there
-	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot'
+	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot' '$(DESTDIR)$(DATADIR)'/man/man1/deltarobot.1 \
+	    '$(DESTDIR)$(DATADIR)'/man/man1/deltarobot-*.1
+	$(Q)for shell in $(COMPLETIONS); do rm -f '$(DESTDIR)$(DATADIR)'/$${shell#*:}; done
 	@echo "uninstall-cli: deltarobot is gone from $(DESTDIR)$(BINDIR)"
 
 demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
@@ -223,6 +238,6 @@ clean: ## removes what was built
 help:
 	@sed -n 's/^\([a-z-]*\):.*## /  \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-17s %s\n", $$1, $$2 }'
 	@echo "Sizes: $(ALL_SIZES)"
-	@echo "Others: OUT DP_TARGET CROSS_COMPILE SHARED SERIAL PREFIX LIBDIR INCLUDEDIR BINDIR DESTDIR CARGO CC CFLAGS V=1"
+	@echo "Others: OUT DP_TARGET CROSS_COMPILE SHARED SERIAL PREFIX LIBDIR INCLUDEDIR BINDIR DATADIR DESTDIR CARGO CC CFLAGS V=1"
 
 include firmware/firmware.mk

@@ -12,6 +12,7 @@
 mod answers;
 mod arrival;
 mod device;
+mod generated;
 mod gx;
 mod line;
 mod network;

@@ -11,6 +11,8 @@
 mod clock;
 mod decode;
 mod decoder;
+mod external;
+mod generate;
 mod hex;
 mod monitor;
 mod operation;
@@ -31,6 +33,7 @@ mod tap;
 mod wait;
 mod words;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -80,6 +83,12 @@ enum Command {
     Record(record::Arguments),
     /// Sends what was recorded, at the times when it was
     Replay(replay::Arguments),
+    /// Prints what a shell needs to complete command lines
+    Completions(generate::Completions),
+    /// Writes the manual pages to a directory
+    Man(generate::Man),
+    #[command(external_subcommand)]
+    External(Vec<OsString>),
 }
 
 fn main() -> ExitCode {
@@ -100,6 +109,9 @@ fn dispatch(command: &Command) -> Result<Status, Failure> {
         Command::Ports(arguments) => ports::run(arguments),
         Command::Record(arguments) => record::run(arguments),
         Command::Replay(arguments) => replay::run(arguments),
+        Command::Completions(arguments) => generate::completions(arguments),
+        Command::Man(arguments) => generate::man(arguments),
+        Command::External(words) => Err(external::run(words)),
     }
 }
 
