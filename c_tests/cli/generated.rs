@@ -16,8 +16,8 @@ fn completions_know_all_subcommands() {
         }
         let file = fresh(&format!("cli-completions.{shell}"));
         fs::write(&file, script).unwrap();
-        if has_tool(shell, "--version") {
-            let output = run(Command::new(shell).arg("-n").arg(&file));
+        if shell == "bash" {
+            let output = run(Command::new("bash").arg("-n").arg(&file));
             assert!(output.status.success(), "{}", text(&output));
         }
     }

@@ -20,6 +20,7 @@ mod output;
 mod recordings;
 mod run;
 mod screens;
+mod send;
 mod sessions;
 mod signals;
 #[allow(dead_code, reason = "the tests of the library use the rest")]

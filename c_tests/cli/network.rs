@@ -1,8 +1,8 @@
 //! Ports of other kinds: networks, odd speeds, and those that come and go.
 
 use std::io::Read;
-use std::os::unix::fs::PermissionsExt;
 use std::net::{TcpListener, TcpStream};
+use std::os::unix::fs::PermissionsExt;
 use std::thread::{JoinHandle, sleep, spawn};
 
 use super::*;
@@ -118,7 +118,10 @@ fn who_may_not_use_a_port_is_told_which_group_may() {
     let output = run(command.args(["status", &device.path]));
     fs::remove_dir_all(&directory).unwrap();
     let said = text(&output);
-    assert!(output.status.code() == Some(DEVICE) && said.contains("Permission denied; members of the group "), "{said}");
+    assert!(
+        output.status.code() == Some(DEVICE) && said.contains("Permission denied; members of the group "),
+        "{said}"
+    );
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod recording;
 mod replay;
 mod run;
 mod screen;
+mod send;
 mod signals;
 mod sim;
 mod source;
@@ -73,6 +74,8 @@ enum Command {
     Cancel(operation::Plain),
     /// Makes requests from a file, one after the other
     Run(run::Arguments),
+    /// Sends commands of the protocols `line` and `gx`, and waits for their ends
+    Send(send::Arguments),
     /// Shows the messages that come from a device, a file or standard input
     Monitor(monitor::Arguments),
     /// Shows the messages in bytes given on the command line
@@ -104,6 +107,7 @@ fn dispatch(command: &Command) -> Result<Status, Failure> {
         Command::Status(arguments) => operation::status(arguments),
         Command::Cancel(arguments) => operation::cancel(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Send(arguments) => send::run(arguments),
         Command::Monitor(arguments) => monitor::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Ports(arguments) => ports::run(arguments),

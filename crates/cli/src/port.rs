@@ -18,8 +18,8 @@ use serial2::SerialPort;
 use crate::screen::complain;
 use crate::status::{Failure, system_text};
 use crate::wait::{wait, wait_for};
-pub(crate) use network::is_url;
 use network::Network;
+pub(crate) use network::is_url;
 
 /// How long a write may wait for room. At 115200 baud the system's buffer is empty after half of that.
 const WRITE_TIME: Duration = Duration::from_secs(1);
@@ -93,6 +93,14 @@ impl Level {
 enum AtClose {
     Keep,
     Drop,
+}
+
+/// The same, but at least a hundredth of a second.
+pub(crate) fn positive_seconds(text: &str) -> Result<f64, String> {
+    match seconds(text) {
+        Ok(seconds) if seconds >= 0.01 => Ok(seconds),
+        _ => Err("not a number of seconds from 0.01 to 86400".into()),
+    }
 }
 
 /// Why a port can't be used.

@@ -1,6 +1,7 @@
 //! The protocols that the program speaks.
 
 use crate::decoder::{Decoder, Terms, deltarobot, gx, line};
+use crate::status::Failure;
 
 /// A protocol.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -21,6 +22,17 @@ impl Protocol {
             Self::Deltarobot => "deltarobot",
             Self::Line => "line",
             Self::Gx => "gx",
+        }
+    }
+
+    /// Refuses options of other protocols: for each protocol, the first of its options that was given.
+    pub(crate) fn refuse_others(self, given: &[(Self, Option<&str>)]) -> Result<(), Failure> {
+        match given.iter().find(|(protocol, option)| *protocol != self && option.is_some()) {
+            Some((protocol, Some(option))) => {
+                let name = protocol.name();
+                Err(Failure::Usage(format!("{option} is for --protocol {name} only; try --help")))
+            }
+            _ => Ok(()),
         }
     }
 

@@ -82,12 +82,7 @@ impl Arguments {
             (Protocol::Line, self.line.given()),
             (Protocol::Gx, self.gx.given()),
         ];
-        for (protocol, option) in given {
-            if let Some(option) = option.filter(|_| protocol != spoken) {
-                let name = protocol.name();
-                return Err(Failure::Usage(format!("{option} is for --protocol {name} only; try --help")));
-            }
-        }
+        spoken.refuse_others(&given)?;
         Ok(match spoken {
             Protocol::Deltarobot => Box::new(deltarobot::Controller::new(&self.deltarobot, Random::new(self.seed))),
             Protocol::Line => Box::new(line::Devices::new(&self.line)),

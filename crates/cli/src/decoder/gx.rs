@@ -10,7 +10,8 @@ use serde_json::json;
 use super::{Decoder, GARBAGE_MAX, Kind, Lanes, Piece, Terms};
 use crate::hex::hex;
 use crate::recording::Side;
-use words::{piece, reason};
+use words::piece;
+pub(crate) use words::reason;
 
 /// What is incomplete is given up after so long: somebody may be typing.
 const PAUSE: Duration = Duration::from_secs(1);

@@ -10,7 +10,7 @@ use super::SessionOptions;
 use super::report::Reporter;
 use super::seen::Seen;
 use crate::clock::{Clock, SLICE};
-use crate::port::{Device, Opening, PortOptions, seconds};
+use crate::port::{Device, Opening, PortOptions, positive_seconds, seconds};
 use crate::screen::complain;
 use crate::signals::Signals;
 use crate::status::Failure;
@@ -29,10 +29,10 @@ type Host = host::Host<{ receiver_room(32) }>;
 pub(crate) struct Timing {
     /// Gives a request up after so many seconds. By default after 120 for `home` and `move`; sooner when nothing answers,
     /// as --answer-time and --attempts say
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
     timeout: Option<f64>,
     /// How long an answer may take before the request is sent again, in seconds; 0.25 by default, at a network port 1
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
     answer_time: Option<f64>,
     /// How often a request is sent until it is answered; by default 4 times, or as often as fits into --timeout
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..))]
@@ -48,14 +48,6 @@ enum Reports {
     Auto,
     Spec,
     Firmware,
-}
-
-/// A time from a hundredth of a second to a day.
-fn positive(text: &str) -> Result<f64, String> {
-    match seconds(text) {
-        Ok(seconds) if seconds >= 0.01 => Ok(seconds),
-        _ => Err("not a number of seconds from 0.01 to 86400".into()),
-    }
 }
 
 /// What is waited for after opening.

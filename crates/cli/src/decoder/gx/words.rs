@@ -70,7 +70,7 @@ const fn format_name(format: Format) -> &'static str {
 }
 
 /// What an error notice's code means.
-pub(super) fn reason(code: u8) -> String {
+pub(crate) fn reason(code: u8) -> String {
     const REASONS: [(Fault, &str); 14] = [
         (Fault::Unknown, "no command begins like that"),
         (Fault::Number, "no number"),
