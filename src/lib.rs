@@ -17,8 +17,18 @@
 //! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export) does
 //! both.
 #![no_std]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::arithmetic_side_effects,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::indexing_slicing,
+        reason = "a test that can't go on fails"
+    )
+)]
 
-#[cfg(feature = "std")]
+#[cfg(any(feature = "std", test))]
 extern crate std;
 
 pub mod contouring_protocol;
@@ -40,6 +50,7 @@ pub mod payload;
 pub mod port;
 pub mod protocol;
 pub mod protocol_ext;
+mod ring;
 #[cfg(all(unix, feature = "serial"))]
 pub mod serial;
 pub mod sizes;

@@ -5,14 +5,10 @@ use core::mem::MaybeUninit;
 use core::slice;
 
 use super::memory::{bytes_of, int};
-use crate::sizes::DP_DATA_MAX_SIZE;
+use super::ring::{Overflow, Ring};
+use crate::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 use deltarobot_export::export;
-use deltarobot_protocols::config::FAST;
-use deltarobot_protocols::deltarobot::{FRAME_MAX, Opcode, Ring, encode};
-
-pub(super) mod receiving;
-
-use receiving::{any_message, next_message};
+use deltarobot_protocols::deltarobot::{FRAME_OVERHEAD, Opcode, Verdict, encode};
 
 /// The operation completed.
 pub const DP_RC_SUCCESS: c_int = 0;
@@ -48,6 +44,44 @@ pub const DP_BIT_STAT_STATUS_ERROR: c_int = 3;
 pub const DP_BIT_STAT_STOP_PRESSED: c_int = 1;
 /// An end stop's bit, shifted down: not pressed.
 pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
+
+/// A ring buffer for bytes from the wire; all zero is an empty one.
+///
+/// The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
+/// empty, so an uninitialised one does no harm.
+#[derive(Debug)]
+#[repr(C)]
+pub struct ProtocolData {
+    /// Storage of the ring.
+    pub m_buf: [c_char; DP_BUFSIZE],
+    /// Where the first unread byte is, 0 to `DP_BUFSIZE` - 1.
+    pub m_idx: c_int,
+    /// Number of unread bytes, 0 to `DP_BUFSIZE`.
+    pub m_sz: c_int,
+}
+
+// It is a Ring.
+const _: () = {
+    assert!(size_of::<ProtocolData>() == size_of::<Ring<DP_BUFSIZE>>());
+    assert!(align_of::<ProtocolData>() == align_of::<Ring<DP_BUFSIZE>>());
+    assert!(offset_of!(ProtocolData, m_buf) == Ring::<DP_BUFSIZE>::OFFSETS[0]);
+    assert!(offset_of!(ProtocolData, m_idx) == Ring::<DP_BUFSIZE>::OFFSETS[1]);
+    assert!(offset_of!(ProtocolData, m_sz) == Ring::<DP_BUFSIZE>::OFFSETS[2]);
+};
+
+/// The ring behind a pointer from C, or `None` for NULL.
+///
+/// # Safety
+///
+/// data is NULL or a whole ring, which nobody else touches while the reference lives.
+#[inline(always)]
+pub(crate) unsafe fn ring_of<'a>(data: *mut ProtocolData) -> Option<&'a mut Ring<DP_BUFSIZE>> {
+    // SAFETY: the two have one layout, and any bytes are a ring.
+    unsafe { data.cast::<Ring<DP_BUFSIZE>>().as_mut() }
+}
+
+/// What `opcode` becomes when no frame was received: never the opcode of one.
+const NO_OPCODE: c_uchar = 0xFF;
 
 /// One message: what a frame carries.
 #[derive(Debug)]
@@ -103,8 +137,6 @@ pub struct Position {
 /// ```
 pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int>;
 
-type Send = unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_void) -> c_int;
-
 /// Adds received bytes at the ring's end.
 ///
 /// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
@@ -122,47 +154,14 @@ type Send = unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, usr: *mut c_voi
 ///     ++losses;
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { process(data, buf, bytes) }
-}
-
-#[inline(always)]
-unsafe fn process(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    // SAFETY: where neither is NULL, they are a ring and a byte by the contract of dp_process; else the same contract.
-    unsafe {
-        if FAST && neither_null(data, buf) && bytes == 1 {
-            return match (*data).push(*buf.cast()) {
-                Ok(()) => DP_RC_SUCCESS,
-                Err((end, used)) => process_in_front(data, buf, end, used),
-            };
-        }
-        process_any(data, buf, bytes)
-    }
-}
-
-/// A byte that goes to the ring's beginning, where those at its end go on, or into a full one.
-///
-/// # Safety
-///
-/// As for [`dp_process`], with neither pointer NULL, and a single byte.
-#[inline(never)]
-unsafe fn process_in_front(data: *mut Ring, buf: *mut c_void, end: usize, used: usize) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { if (*data).push_in_front(end, used, *buf.cast()) { DP_RC_SUCCESS } else { process_any(data, buf, 1) } }
-}
-
-/// Any number of bytes. A function of its own where there is a faster way for a single one.
-#[cfg_attr(target_pointer_width = "64", inline(never))]
-#[cfg_attr(not(target_pointer_width = "64"), inline(always))]
-unsafe fn process_any(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int {
-    // SAFETY: both are as the contract of dp_process asks.
-    let (Some(ring), Some(input)) = (unsafe { data.as_mut() }, unsafe { bytes_of(buf, bytes) }) else {
+pub unsafe extern "C" fn dp_process(data: *mut ProtocolData, buf: *mut c_void, bytes: c_int) -> c_int {
+    // SAFETY: NULL, or as the rules at the head ask.
+    let (Some(ring), Some(input)) = (unsafe { ring_of(data) }, unsafe { bytes_of(buf, bytes) }) else {
         return DP_RC_ERROR_GENERIC;
     };
     match ring.append(input) {
         Ok(()) => DP_RC_SUCCESS,
-        Err(_) => DP_RC_OVERFLOW,
+        Err(Overflow) => DP_RC_OVERFLOW,
     }
 }
 
@@ -181,19 +180,68 @@ unsafe fn process_any(data: *mut Ring, buf: *mut c_void, bytes: c_int) -> c_int 
 ///     handle(&msg);
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { recv(data, msg) }
+pub unsafe extern "C" fn dp_recv(data: *mut ProtocolData, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: NULL, or as the rules at the head ask.
+    unsafe { next_message(data, msg, false) }
 }
 
+/// Takes the next message out of a ring; when `idle`, what is incomplete too is thrown away.
+///
+/// # Safety
+///
+/// data is NULL or a ring, msg NULL or a message outside of it.
 #[inline(always)]
-unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    if FAST && neither_null(data, msg) {
-        // SAFETY: not NULL, so both are as the contract of dp_recv asks.
-        return unsafe { next_message(&mut *data, msg) };
+pub(crate) unsafe fn next_message(data: *mut ProtocolData, msg: *mut ProtocolMsg, idle: bool) -> c_int {
+    if msg.is_null() {
+        return DP_RC_ERROR_GENERIC;
     }
-    // SAFETY: the same contract.
-    unsafe { any_message(data, msg, false) }
+    // SAFETY: NULL or a ring.
+    let code = match unsafe { ring_of(data) } {
+        None => DP_RC_ERROR_GENERIC,
+        Some(ring) => {
+            ring.heal();
+            let mut code = DP_RC_NO_FRAME;
+            loop {
+                match ring.judge_head(DP_DATA_MAX_SIZE) {
+                    Verdict::Frame { opcode, length } => {
+                        if let Some(payload) = ring.take_frame(opcode, length) {
+                            // SAFETY: msg is not NULL, so a message.
+                            unsafe { deliver(msg, opcode, length, |data| payload.copy_to(data, MaybeUninit::new)) };
+                            return DP_RC_SUCCESS;
+                        }
+                    }
+                    Verdict::Needs(_) if !idle || ring.is_empty() => break code,
+                    Verdict::Needs(_) | Verdict::Fault(_) => {}
+                }
+                ring.skip(1);
+                code = DP_RC_GARBAGE;
+            }
+        }
+    };
+    // SAFETY: msg is not NULL, so a message. It may be uninitialised: so no reference to it is made.
+    unsafe { (*msg).opcode = NO_OPCODE };
+    code
+}
+
+/// Writes a message whose payload, of that length, `copy` writes.
+///
+/// # Safety
+///
+/// msg points to a writable message.
+#[inline(always)]
+pub(crate) unsafe fn deliver(
+    msg: *mut ProtocolMsg,
+    opcode: Opcode,
+    length: usize,
+    copy: impl FnOnce(&mut [MaybeUninit<u8>; DP_DATA_MAX_SIZE]),
+) {
+    // SAFETY: a message, whose chars have the layout of bytes that may be uninitialised.
+    unsafe {
+        (*msg).data_s = int(length);
+        (*msg).opcode = opcode.0;
+        copy(&mut *(&raw mut (*msg).data).cast());
+        (*msg).checksum_ok = 1;
+    }
 }
 
 /// Sends a message: calls sendfunc once, with the whole frame and usr.
@@ -211,54 +259,23 @@ unsafe fn recv(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { send(msg, sendfunc, usr) }
-}
-
-#[inline(always)]
-unsafe fn send(msg: *mut ProtocolMsg, sendfunc: SendFunc, usr: *mut c_void) -> c_int {
     let (Some(sendfunc), false) = (sendfunc, msg.is_null()) else {
         return DP_RC_ERROR_GENERIC;
     };
-    // SAFETY: not NULL, so a message by the contract of dp_send.
+    // SAFETY: not NULL, so a message as the rules at the head ask.
     let length = unsafe { (*msg).data_s };
     if !(0..=const { int(DP_DATA_MAX_SIZE) }).contains(&length) {
         return DP_RC_ERROR_GENERIC;
     }
-    // SAFETY: the same contract, and the length was looked at.
-    unsafe {
-        if FAST && length > 16 {
-            return send_long(msg, length, sendfunc, usr);
-        }
-        send_of(msg, length, sendfunc, usr)
-    }
-}
-
-/// A payload of more than 16 bytes: its loops would cost registers in the way of the others.
-#[inline(never)]
-unsafe fn send_long(msg: *mut ProtocolMsg, length: c_int, sendfunc: Send, usr: *mut c_void) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { send_of(msg, length, sendfunc, usr) }
-}
-
-#[inline(always)]
-unsafe fn send_of(msg: *mut ProtocolMsg, length: c_int, sendfunc: Send, usr: *mut c_void) -> c_int {
-    let mut frame = [MaybeUninit::uninit(); FRAME_MAX];
+    let mut frame = [MaybeUninit::uninit(); const { DP_DATA_MAX_SIZE.wrapping_add(FRAME_OVERHEAD) }];
     // SAFETY: a message with such a payload; the slice is not used any more when sendfunc is called.
     let encoded = unsafe {
         let payload = slice::from_raw_parts((&raw const (*msg).data).cast(), length.cast_unsigned() as usize);
         encode(Opcode((*msg).opcode), payload, &mut frame)
     };
     match encoded {
-        // SAFETY: as the contract of dp_send asks; encode() wrote that many bytes of the frame.
+        // SAFETY: sendfunc can be called with usr; encode() wrote that many bytes of the frame.
         Some(length) => unsafe { sendfunc(frame.as_mut_ptr().cast(), int(length), usr) },
         None => DP_RC_ERROR_GENERIC,
     }
-}
-
-/// Whether neither is NULL.
-#[inline(always)]
-fn neither_null<T, U>(one: *const T, other: *const U) -> bool {
-    // One comparison will do for nearly all pointers: those that have a bit in common.
-    one.addr() & other.addr() != 0 || !one.is_null() && !other.is_null()
 }

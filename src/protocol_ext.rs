@@ -4,10 +4,8 @@ use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
 use super::memory::{bytes_of, int};
-use super::protocol::receiving::{any_message, next_message};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolMsg};
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
-use deltarobot_protocols::deltarobot::Ring;
 
 /// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
 /// The message is gone when the function returns.
@@ -38,19 +36,13 @@ pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mu
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_process_each(
-    data: *mut Ring,
+    data: *mut ProtocolData,
     buf: *const c_void,
     bytes: c_int,
     on_msg: MsgFunc,
     usr: *mut c_void,
 ) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { process_each(data, buf, bytes, on_msg, usr) }
-}
-
-#[inline(always)]
-unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg: MsgFunc, usr: *mut c_void) -> c_int {
-    // SAFETY: as the contract of dp_process_each asks.
+    // SAFETY: as the rules at the head ask.
     let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
         return DP_RC_ERROR_GENERIC.wrapping_neg();
     };
@@ -58,7 +50,7 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
         // SAFETY: data is not NULL, so a ring by the contract of dp_process_each; msg is ours.
-        while unsafe { next_message(&mut *data, msg.as_mut_ptr()) } == DP_RC_SUCCESS {
+        while unsafe { next_message(data, msg.as_mut_ptr(), false) } == DP_RC_SUCCESS {
             // SAFETY: as the contract of dp_process_each asks; no reference to the ring is held.
             if unsafe { on_msg(msg.as_ptr(), usr) } != 0 {
                 return int(input.len().wrapping_sub(rest.len()));
@@ -68,7 +60,7 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
             return bytes;
         }
         // SAFETY: as above; the reference ends before the next call of on_msg.
-        let ring = unsafe { &mut *data };
+        let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
         let (now, later) = rest.split_at_checked(ring.room()).unwrap_or((rest, &[]));
         // Can't overflow: there is room for them.
         let _ = ring.append(now);
@@ -92,15 +84,9 @@ unsafe fn process_each(data: *mut Ring, buf: *const c_void, bytes: c_int, on_msg
 ///         handle(&msg);
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { recv_idle(data, msg) }
-}
-
-#[inline(always)]
-unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: as the contract of dp_recv_idle asks.
-    unsafe { any_message(data, msg, true) }
+pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut ProtocolMsg) -> c_int {
+    // SAFETY: NULL, or as the rules at the head ask.
+    unsafe { next_message(data, msg, true) }
 }
 
 /// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
@@ -112,15 +98,9 @@ unsafe fn recv_idle(data: *mut Ring, msg: *mut ProtocolMsg) -> c_int {
 /// dp_init(&ring);
 /// ```
 #[export(dp)]
-pub unsafe extern "C" fn dp_init(data: *mut Ring) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { init(data) }
-}
-
-#[inline(always)]
-unsafe fn init(data: *mut Ring) -> c_int {
-    // SAFETY: NULL, or memory as the contract of dp_init asks.
-    match unsafe { data.as_mut() } {
+pub unsafe extern "C" fn dp_init(data: *mut ProtocolData) -> c_int {
+    // SAFETY: NULL, or memory as the rules at the head ask.
+    match unsafe { ring_of(data) } {
         Some(ring) => {
             ring.clear();
             DP_RC_SUCCESS

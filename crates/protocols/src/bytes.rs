@@ -11,6 +11,140 @@ pub(crate) const BLOCK: usize = 16;
 const WORD: usize = 8;
 const HALF: usize = 4;
 
+/// Bytes in a row, wherever they lie.
+pub trait Bytes {
+    /// Number of bytes.
+    fn len(&self) -> usize;
+
+    /// Whether there is none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The byte at that place; behind the last one, any.
+    fn byte(&self, place: usize) -> u8;
+
+    /// Adds bytes, `length` ones from `begin` on, to a sum modulo 256.
+    fn add_up(&self, sum: u8, begin: usize, length: usize) -> u8;
+}
+
+impl Bytes for [u8] {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn byte(&self, place: usize) -> u8 {
+        self.get(place).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn add_up(&self, sum: u8, begin: usize, length: usize) -> u8 {
+        add_up(sum, self.get(begin..begin.wrapping_add(length)).unwrap_or_default())
+    }
+}
+
+/// Bytes in a ring: `length` ones from `begin` on, which is a place in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrapped<'a, const SIZE: usize> {
+    /// All of the ring.
+    pub ring: &'a [u8; SIZE],
+    /// Where the first byte is, below `SIZE`.
+    pub begin: usize,
+    /// How many there are, at most `SIZE`.
+    pub length: usize,
+}
+
+impl<'a, const SIZE: usize> Wrapped<'a, SIZE> {
+    /// Copies them, when there is room for all.
+    #[inline(always)]
+    pub fn copy_to<T>(self, to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+        let to = to.get_mut(..self.length).unwrap_or_default();
+        if WIDE {
+            let (first, rest) = self.pieces(0, self.length);
+            let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
+            copy(first, to_first, item);
+            return copy(rest, to_rest, item);
+        }
+        let mut from = self.begin;
+        for to in to {
+            *to = item(self.ring.get(wrap::<SIZE>(from)).copied().unwrap_or_default());
+            from = wrap::<SIZE>(from).wrapping_add(1);
+        }
+    }
+
+    /// Some of them, up to the ring's end and from its beginning on.
+    #[inline(always)]
+    fn pieces(self, begin: usize, length: usize) -> (&'a [u8], &'a [u8]) {
+        let (front, back) =
+            self.ring.split_at_checked(wrap::<SIZE>(self.begin.wrapping_add(begin))).unwrap_or_default();
+        match back.get(..length) {
+            Some(first) => (first, &[]),
+            None => (back, front.get(..length.wrapping_sub(back.len())).unwrap_or_default()),
+        }
+    }
+}
+
+impl<const SIZE: usize> Bytes for Wrapped<'_, SIZE> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.length
+    }
+
+    #[inline(always)]
+    fn byte(&self, place: usize) -> u8 {
+        self.ring.get(wrap::<SIZE>(self.begin.wrapping_add(place))).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn add_up(&self, mut sum: u8, begin: usize, length: usize) -> u8 {
+        if WIDE {
+            let (first, rest) = self.pieces(begin, length);
+            return add_up(add_up(sum, first), rest);
+        }
+        let mut from = self.begin.wrapping_add(begin);
+        let mut left = length;
+        while left > 0 {
+            sum = sum.wrapping_add(self.ring.get(wrap::<SIZE>(from)).copied().unwrap_or_default());
+            from = wrap::<SIZE>(from).wrapping_add(1);
+            left = left.wrapping_sub(1);
+        }
+        sum
+    }
+}
+
+/// Copies bytes into a ring from that place on, over its end to its beginning. They are no more than the ring holds.
+#[inline(always)]
+pub fn copy_into_ring<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], begin: usize) {
+    if WIDE && input.len() != 1 {
+        let (front, back) = ring.split_at_mut_checked(begin).unwrap_or_default();
+        let (first, rest) = input.split_at_checked(back.len()).unwrap_or((input, &[]));
+        copy(first, back, |byte| byte);
+        return copy(rest, front, |byte| byte);
+    }
+    let mut to = begin;
+    for byte in input {
+        if let Some(place) = ring.get_mut(wrap::<SIZE>(to)) {
+            *place = *byte;
+        }
+        to = wrap::<SIZE>(to).wrapping_add(1);
+    }
+}
+
+/// A place that may be past a ring's end, by less than its size.
+#[inline(always)]
+#[must_use]
+pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
+    if SIZE.is_power_of_two() {
+        place & SIZE.wrapping_sub(1)
+    } else if place >= SIZE {
+        place.wrapping_sub(SIZE)
+    } else {
+        place
+    }
+}
+
 /// Adds the bytes to a sum modulo 256.
 #[inline(always)]
 #[must_use]
@@ -96,6 +230,24 @@ fn copy_ends<const N: usize, T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> 
     if let Some(place) = to.last_chunk_mut::<N>() {
         *place = last;
     }
+}
+
+/// Copies bytes to as many places, and adds them to a sum modulo 256.
+#[inline(always)]
+pub fn copy_and_add_up<T>(mut sum: u8, from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) -> u8 {
+    if WIDE {
+        // Most frames have no payload.
+        if !from.is_empty() {
+            sum = add_up(sum, from);
+            copy(from, to, item);
+        }
+        return sum;
+    }
+    for (place, byte) in to.iter_mut().zip(from) {
+        *place = item(*byte);
+        sum = sum.wrapping_add(*byte);
+    }
+    sum
 }
 
 /// Where the byte is found first.

@@ -20,9 +20,6 @@
 extern crate std;
 
 pub mod bytes;
-pub mod clock;
-pub mod config;
-pub mod counter;
 pub mod decimal;
 pub mod deltarobot;
 pub mod gx;

@@ -108,7 +108,7 @@ impl Lane {
         let bytes = std::mem::take(&mut self.waiting);
         let mut rest = bytes.as_slice();
         while let [first, behind @ ..] = rest {
-            match judge(rest.into(), PAYLOAD_LONGEST) {
+            match judge(rest, PAYLOAD_LONGEST) {
                 Verdict::Needs(_) if !gives_up => break,
                 Verdict::Needs(_) | Verdict::Fault(_) => {
                     self.garbage.push(*first);
@@ -145,7 +145,7 @@ fn checksum_failures(garbage: &[u8]) -> Vec<(u8, u8)> {
 
 /// What follows such a frame, if one is here.
 fn behind_failure<'a>(bytes: &'a [u8], failures: &mut Vec<(u8, u8)>) -> Option<&'a [u8]> {
-    let Verdict::Fault(Fault::Checksum) = judge(bytes.into(), PAYLOAD_LONGEST) else { return None };
+    let Verdict::Fault(Fault::Checksum) = judge(bytes, PAYLOAD_LONGEST) else { return None };
     let ([_, opcode, length], behind) = bytes.split_first_chunk()?;
     let (payload, [checksum, _, behind @ ..]) = behind.split_at_checked((*length).into())? else { return None };
     let mut right = [0; PAYLOAD_LONGEST + FRAME_OVERHEAD];

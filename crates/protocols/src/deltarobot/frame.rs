@@ -5,7 +5,7 @@
 use core::mem::MaybeUninit;
 
 use super::Opcode;
-use crate::bytes;
+use crate::bytes::{self, Bytes};
 
 /// The first byte of every frame.
 pub const FRAME_START: u8 = b'$';
@@ -65,74 +65,14 @@ pub enum NoFrame {
     Garbage,
 }
 
-/// Bytes in up to two pieces, as a ring has them; of one piece, `rest` is empty.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Pieces<'a> {
-    /// The bytes that come first.
-    pub first: &'a [u8],
-    /// Those behind them.
-    pub rest: &'a [u8],
-}
-
-impl<'a> Pieces<'a> {
-    /// Number of bytes.
-    #[inline(always)]
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.first.len().wrapping_add(self.rest.len())
-    }
-
-    /// Whether there is no byte.
-    #[inline(always)]
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The byte at that place.
-    #[inline(always)]
-    #[must_use]
-    pub fn get(&self, place: usize) -> Option<u8> {
-        self.first.get(place).or_else(|| self.rest.get(place.wrapping_sub(self.first.len()))).copied()
-    }
-
-    /// The `length` bytes from `begin` on, as far as there are so many.
-    #[inline(always)]
-    #[must_use]
-    pub fn part(&self, begin: usize, length: usize) -> Self {
-        match self.first.get(begin..) {
-            Some(first) => match first.get(..length) {
-                Some(first) => Self { first, rest: &[] },
-                None => Self { first, rest: up_to(self.rest, length.wrapping_sub(first.len())) },
-            },
-            None => {
-                let rest = self.rest.get(begin.wrapping_sub(self.first.len())..).unwrap_or_default();
-                Self { first: up_to(rest, length), rest: &[] }
-            }
-        }
-    }
-}
-
-impl<'a> From<&'a [u8]> for Pieces<'a> {
-    #[inline(always)]
-    fn from(first: &'a [u8]) -> Self {
-        Self { first, rest: &[] }
-    }
-}
-
-#[inline(always)]
-fn up_to(bytes: &[u8], length: usize) -> &[u8] {
-    bytes.get(..length).unwrap_or(bytes)
-}
-
 /// Judges what the bytes begin with, where a payload has at most `longest` bytes. A candidate is given up as soon as a
 /// byte of it is wrong; but for its checksum, which costs much and is looked at when all else is right.
 ///
 /// ```
 /// use deltarobot_protocols::deltarobot::{Fault, Opcode, Verdict, judge};
 ///
-/// let judge = |bytes: &[u8]| judge(bytes.into(), 32);
-/// assert_eq!(judge(b"$"), Verdict::Needs(2));
+/// let judge = |bytes: &[u8]| judge(bytes, 32);
+/// assert_eq!(judge(b"$"), Verdict::Needs(5));
 /// assert_eq!(judge(b"$A\x01M"), Verdict::Needs(6));
 /// assert_eq!(judge(b"$A\x01M\xED:..."), Verdict::Frame { opcode: Opcode::ACK, length: 1 });
 /// assert_eq!(judge(b"$A\x01M\xEE:"), Verdict::Fault(Fault::Checksum));
@@ -140,29 +80,51 @@ fn up_to(bytes: &[u8], length: usize) -> &[u8] {
 /// ```
 #[inline(always)]
 #[must_use]
-pub fn judge(bytes: Pieces<'_>, longest: usize) -> Verdict {
-    match bytes.get(0) {
-        None => return Verdict::Needs(1),
-        Some(FRAME_START) => {}
-        Some(_) => return Verdict::Fault(Fault::Start),
+pub fn judge<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
+    match judge_head(bytes, longest) {
+        Verdict::Frame { opcode, length } => judge_tail(bytes, opcode, length),
+        verdict => verdict,
     }
-    let Some(opcode) = bytes.get(1).map(Opcode) else { return Verdict::Needs(2) };
-    if !opcode.is_known() {
-        return Verdict::Fault(Fault::Opcode);
-    }
-    let Some(length) = bytes.get(2).map(usize::from) else { return Verdict::Needs(3) };
-    if length > longest {
-        return Verdict::Fault(Fault::Length);
-    }
-    let Some(end) = bytes.get(length.wrapping_add(4)) else {
-        return Verdict::Needs(length.wrapping_add(FRAME_OVERHEAD));
+}
+
+/// The first half of [`judge`]: whether the bytes begin as a frame does, and as many are there as that takes.
+#[inline(always)]
+#[must_use]
+pub fn judge_head<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
+    // Bytes that are not there yet may be anything: what is wrong with them is no fault, and when nothing is, there are
+    // too few to tell.
+    let have = bytes.len();
+    let (place, fault) = 'fault: {
+        if bytes.byte(0) != FRAME_START {
+            break 'fault (0, Fault::Start);
+        }
+        let opcode = Opcode(bytes.byte(1));
+        if !opcode.is_known() {
+            break 'fault (1, Fault::Opcode);
+        }
+        let length = usize::from(bytes.byte(2));
+        if length > longest {
+            break 'fault (2, Fault::Length);
+        }
+        let size = length.wrapping_add(FRAME_OVERHEAD);
+        if have < size {
+            return Verdict::Needs(if have < FRAME_HEAD { FRAME_OVERHEAD } else { size });
+        }
+        return Verdict::Frame { opcode, length };
     };
-    if end != FRAME_END {
+    if have > place { Verdict::Fault(fault) } else { Verdict::Needs(FRAME_OVERHEAD) }
+}
+
+/// The second half: whether what begins as a frame ends as one.
+#[inline(always)]
+#[must_use]
+pub fn judge_tail<B: Bytes + ?Sized>(bytes: &B, opcode: Opcode, length: usize) -> Verdict {
+    let place_of_sum = length.wrapping_add(FRAME_HEAD);
+    if bytes.byte(place_of_sum.wrapping_add(1)) != FRAME_END {
         return Verdict::Fault(Fault::End);
     }
-    let payload = bytes.part(FRAME_HEAD, length);
-    let sum = bytes::add_up(bytes::add_up(sum_of_head(opcode, length), payload.first), payload.rest);
-    if bytes.get(length.wrapping_add(FRAME_HEAD)) != Some(sum) {
+    let sum = bytes.add_up(sum_of_head(opcode, length), FRAME_HEAD, length);
+    if bytes.byte(place_of_sum) != sum {
         return Verdict::Fault(Fault::Checksum);
     }
     Verdict::Frame { opcode, length }
@@ -205,11 +167,7 @@ pub fn encode<P: Place>(opcode: Opcode, payload: &[u8], out: &mut [P]) -> Option
     let mut sum = sum_of_head(opcode, payload.len());
     let (places, behind) = rest.split_at_mut_checked(payload.len())?;
     let [place_of_sum, place_of_end, ..] = behind else { return None };
-    // Most frames have none.
-    if !payload.is_empty() {
-        sum = bytes::add_up(sum, payload);
-        bytes::copy(payload, places, P::of);
-    }
+    sum = bytes::copy_and_add_up(sum, payload, places, P::of);
     (*place_of_sum, *place_of_end) = (P::of(sum), P::of(FRAME_END));
     Some(payload.len().wrapping_add(FRAME_OVERHEAD))
 }

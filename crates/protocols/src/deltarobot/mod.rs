@@ -26,20 +26,15 @@ mod opcode;
 mod position;
 mod receiver;
 mod report;
-mod ring;
-mod search;
-mod shortcut;
-mod sums;
 mod text;
 
 pub use frame::{
-    FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Fault, Frame, NoFrame, Pieces, Place, Verdict, encode, judge,
+    FRAME_END, FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Fault, Frame, NoFrame, Place, Verdict, encode, judge,
+    judge_head, judge_tail,
 };
 pub use message::{Message, PAYLOAD_MAX};
 pub use opcode::Opcode;
 pub use position::{POSITION_SIZE, Position};
 pub use receiver::{Full, Observer, Receiver, receiver_room};
 pub use report::{Layout, Report, State};
-pub use ring::{FRAME_MAX, Overflow, Ring, RingByte, RingFrame};
-pub use shortcut::{Glance, Proof};
 pub use text::{TEXT_MAX, describe};

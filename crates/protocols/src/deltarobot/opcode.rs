@@ -45,17 +45,19 @@ impl Opcode {
         both || self.0 == b'A' || self.0 == b'C' || self.0 == b'N' || self.0 == b'e'
     }
 
-    /// Smaller than a `matches!` elsewhere: that becomes a shift of 64 bits, or many branches.
+    /// By the bits of the byte's upper half that go with its lower half.
     #[inline(always)]
     const fn is_known_by_looking(self) -> bool {
-        let mut known: &[u8] = b"ANHSMChsme";
-        while let [first, rest @ ..] = known {
-            if *first == self.0 {
-                return true;
+        const KNOWN: [u8; 16] = {
+            let mut known = [0; 16];
+            let mut all: &[u8] = b"ANHSMChsme";
+            while let [first, rest @ ..] = all {
+                known[(*first & 15) as usize] |= 1 << (*first >> 4);
+                all = rest;
             }
-            known = rest;
-        }
-        false
+            known
+        };
+        (KNOWN[(self.0 & 15) as usize] as u32) >> (self.0 >> 4) & 1 != 0
     }
 }
 

@@ -194,7 +194,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
             }
         }
         loop {
-            let skipped = match judge((*input).into(), Self::LONGEST) {
+            let skipped = match judge(*input, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
                     let (now, later) = input.split_at_checked(length.wrapping_add(FRAME_OVERHEAD)).unwrap_or_default();
                     *input = later;
@@ -231,7 +231,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         let mut none = NoFrame::Waiting;
         loop {
             let unread = self.buffer.get(at..have).unwrap_or_default();
-            let skipped = match judge(unread.into(), Self::LONGEST) {
+            let skipped = match judge(unread, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
                     self.wait_at(at.wrapping_add(length).wrapping_add(FRAME_OVERHEAD), have, 0);
                     return Ok((opcode, at.wrapping_add(FRAME_HEAD), length));
@@ -350,7 +350,7 @@ mod tests {
     fn naive(mut stream: &[u8], longest: usize, idle: bool) -> (Messages, Losses, usize) {
         let (mut messages, mut losses) = (Vec::new(), Losses::default());
         loop {
-            match judge(stream.into(), longest) {
+            match judge(stream, longest) {
                 Verdict::Frame { opcode, length } => {
                     messages.push((opcode.0, stream[3..length + 3].to_vec()));
                     stream = &stream[length + 5..];
