@@ -1,7 +1,7 @@
 //! `libdeltarobot/protocol.h`: frames of the deltarobot message format, specification v1.0.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
-use core::mem::MaybeUninit;
+use core::mem::{MaybeUninit, offset_of};
 use core::slice;
 
 use super::memory::{bytes_of, int};
