@@ -68,6 +68,7 @@ mod special {
 
     in_every_mode! {
         gx_channel: Program::of("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
+        gx_real_links: Program::of("gx_real_links", &["gx/real_links.c"]).family(Family::Gx).slowly(&["300"]);
         kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
         values: Program::of("values", &["deltarobot/values.c"]).language(Language::C11);
         line_layout: Program::of("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);

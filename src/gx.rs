@@ -5,7 +5,9 @@ use core::ffi::{c_int, c_uchar, c_ulong, c_void};
 use super::memory::{bytes_of, int, room_of};
 use super::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{self, AXES, CommandReceiver, Fault, Format, Kind, Lost, NoticeReceiver, Receiver};
+use deltarobot_protocols::gx::{
+    self, AXES, CommandReceiver, Control, Fault, Format, Kind, Lost, NoticeReceiver, Receiver, Status,
+};
 
 pub mod contour;
 pub mod write;
@@ -44,8 +46,26 @@ pub const GX_MALFORMED: c_int = 4;
 pub const GX_COMPLETED: c_int = 5;
 /// Notice: the command, with this number if it had one, was not; code says why.
 pub const GX_REFUSED: c_int = 6;
-/// Notice: the position is that in vector.
+/// Notice: the position is that in vector; with a velocity, the machine was stopped there, and that one is in force.
 pub const GX_POSITION: c_int = 7;
+/// Notice, in sessions: the move whose number ends in the seven bits of number was carried out. code is what `gx_check`
+/// makes of where it led.
+pub const GX_CONFIRMED: c_int = 8;
+/// Command, an extension: what code asks for past the queue, one of `GX_CONTROL_*`.
+pub const GX_CONTROL: c_int = 9;
+/// Notice, an extension: period more moves fit into the queue, and the machine holds if code is not 0.
+pub const GX_STATUS: c_int = 10;
+
+/// The status.
+pub const GX_CONTROL_QUERY: c_int = 0;
+/// To hold now: to stop for now, in the middle of a move too.
+pub const GX_CONTROL_HOLD: c_int = 1;
+/// To go on.
+pub const GX_CONTROL_RESUME: c_int = 2;
+/// To stop now, and to forget all moves.
+pub const GX_CONTROL_STOP: c_int = 3;
+/// What is received and none of these.
+pub const GX_CONTROL_UNKNOWN: c_int = 127;
 
 /// No command begins like that.
 pub const GX_FAULT_UNKNOWN: c_int = 1;
@@ -76,6 +96,8 @@ pub const GX_FAULT_NUMBERLESS: c_int = 18;
 pub const GX_FAULT_AXIS: c_int = 19;
 /// The machine has stopped before this move was finished; those behind it are dropped.
 pub const GX_FAULT_STOPPED: c_int = 20;
+/// The machine has stopped as its host was silent.
+pub const GX_FAULT_SILENT: c_int = 21;
 /// Codes from here to 127 are the firmware's own.
 pub const GX_FAULT_OWN: c_int = 64;
 
@@ -167,7 +189,11 @@ const _: () = {
     assert!(GX_MOVE == Kind::Move as c_int && GX_STEP == Kind::Step as c_int);
     assert!(GX_REPORTING == Kind::Reporting as c_int && GX_MALFORMED == Kind::Malformed as c_int);
     assert!(GX_COMPLETED == Kind::Completed as c_int && GX_REFUSED == Kind::Refused as c_int);
-    assert!(GX_POSITION == Kind::Position as c_int);
+    assert!(GX_POSITION == Kind::Position as c_int && GX_CONFIRMED == Kind::Confirmed as c_int);
+    assert!(GX_CONTROL == Kind::Control as c_int && GX_STATUS == Kind::Status as c_int);
+    assert!(GX_CONTROL_QUERY == Control::Query as c_int && GX_CONTROL_HOLD == Control::Hold as c_int);
+    assert!(GX_CONTROL_RESUME == Control::Resume as c_int && GX_CONTROL_STOP == Control::Stop as c_int);
+    assert!(GX_FAULT_SILENT == Fault::Silent as c_int);
 };
 
 impl Vector {
@@ -197,8 +223,21 @@ impl Item {
         self.number.value = number.map_or(0, |number| number.value);
         self.number.format = number.map_or(0, |number| number.format as c_uchar);
         self.format = if kind == Kind::Completed { self.number.format } else { receiver.format() as c_uchar };
-        self.code = if matches!(kind, Kind::Malformed | Kind::Refused) { receiver.code() } else { 0 };
-        self.period = if kind == Kind::Reporting { receiver.period() & gx::PERIOD_MAX } else { 0 };
+        (self.code, self.period) = match kind {
+            Kind::Malformed | Kind::Refused => (receiver.code(), 0),
+            Kind::Reporting => (0, receiver.period() & gx::PERIOD_MAX),
+            Kind::Control => (Control::of(receiver.bits()).map_or(127, |control| control as c_uchar), 0),
+            Kind::Status => {
+                let status = Status::of(receiver.bits());
+                (status.is_held.into(), status.free.into())
+            }
+            Kind::Confirmed => {
+                let (number, check) = receiver.confirmed();
+                self.number = Number { value: number.into(), format: self.format };
+                (check, 0)
+            }
+            Kind::Move | Kind::Step | Kind::Completed | Kind::Position => (0, 0),
+        };
         let has_vector = matches!(kind, Kind::Move | Kind::Step | Kind::Position);
         self.vector.mask = if has_vector { vector.mask & (gx::MASK_AXES | gx::MASK_VELOCITY) } else { 0 };
         let has_velocity = self.vector.mask & gx::MASK_VELOCITY != 0;
@@ -371,6 +410,36 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
         Err(Lost::Unknown) => return GX_RC_NOT_FOUND,
     }
     GX_RC_SUCCESS
+}
+
+/// The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
+/// where all axes are to be after it, and the velocity then in force; its mask flags those that were named in the session
+/// up to this move. number is the move's.
+///
+/// Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
+///
+/// ```c
+/// if (item.kind == GX_CONFIRMED && item.code != gx_check(&target, 5462))
+///     puts("the machine is elsewhere");
+/// ```
+#[export]
+pub unsafe extern "C" fn gx_check(target: *const Vector, number: c_int) -> c_int {
+    // SAFETY: target is NULL or valid.
+    match (unsafe { target.as_ref() }, u16::try_from(number)) {
+        (Some(target), Ok(number)) if number <= gx::NUMBER_MAX => target.to_core().check(target.mask, number).into(),
+        _ => -GX_RC_ERROR_GENERIC,
+    }
+}
+
+/// What a host asks for, if it is one of those.
+pub(super) const fn control_of(control: c_int) -> Option<Control> {
+    Some(match control {
+        GX_CONTROL_QUERY => Control::Query,
+        GX_CONTROL_HOLD => Control::Hold,
+        GX_CONTROL_RESUME => Control::Resume,
+        GX_CONTROL_STOP => Control::Stop,
+        _ => return None,
+    })
 }
 
 /// Fills a buffer of C's with as many commands or notices as fit: `next` writes one and returns its length, 0 when there

@@ -44,7 +44,7 @@
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
-use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
+use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, control_of, fill};
 use super::memory::{bytes_of, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
@@ -61,6 +61,14 @@ pub const GX_HOST_REPORT: c_int = 2;
 pub const GX_HOST_ERROR: c_int = 3;
 /// Event: a session has begun.
 pub const GX_HOST_BEGUN: c_int = 4;
+/// Event: a position report that does not fit what was requested: position. The next move corrects that.
+pub const GX_HOST_DRIFT: c_int = 5;
+/// Event: the status: number more moves fit into the motion side's queue, and it holds if code is not 0.
+pub const GX_HOST_STATUS: c_int = 6;
+/// Event: the machine was stopped at position, and has forgotten all moves; the velocity in it is the one in force.
+pub const GX_HOST_STOPPED: c_int = 7;
+/// Event: what `gx_host_control` asked for got no answer, or is not known to the motion side: code, `GX_CONTROL_*`.
+pub const GX_HOST_UNANSWERED: c_int = 8;
 
 /// Outcome: the move was carried out.
 pub const GX_HOST_FINISHED: c_int = 1;
@@ -76,20 +84,26 @@ pub const GX_HOST_TIMED_OUT: c_int = 5;
 /// Outcome: the motion side has begun anew, or does not take this for a session any more. Whether the move was carried
 /// out is not known.
 pub const GX_HOST_LOST: c_int = 6;
+/// Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is sent
+/// in positions of all axes, which corrects that.
+pub const GX_HOST_DEVIATED: c_int = 7;
 
 /// Something that happened.
 #[derive(Debug)]
 #[repr(C)]
 pub struct HostEvent {
-    /// What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`.
+    /// What: one of `GX_HOST_ENDED` to `GX_HOST_UNANSWERED`.
     pub kind: c_int,
-    /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others.
+    /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_DEVIATED`; 0 of others.
     pub outcome: c_int,
-    /// Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
+    /// Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; of
+    /// `GX_HOST_STATUS` and `GX_HOST_UNANSWERED`, see there; else 0.
     pub code: c_int,
-    /// Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others.
+    /// Of `GX_HOST_ERROR`, the number that the notice names, -1 when it names none; of `GX_HOST_STATUS`, see there; -1
+    /// of others.
     pub number: c_int,
-    /// Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone.
+    /// Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`, the position; its mask flags the axes. Other events
+    /// leave it alone.
     pub position: Vector,
 }
 
@@ -115,6 +129,12 @@ pub struct Settings {
     pub ascii: c_int,
     /// The number that the first session begins with, 0 to 16383.
     pub first_number: c_int,
+    /// Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th.
+    pub absolute_every: c_int,
+    /// Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
+    /// at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be longer
+    /// than a move lasts.
+    pub echo: c_int,
 }
 
 /// Counters of a host session since it began; they wrap.
@@ -139,10 +159,12 @@ pub struct Health {
     pub timeouts: c_ulong,
     /// Sessions begun.
     pub sessions: c_ulong,
+    /// Ends and reports that did not fit what was requested.
+    pub deviations: c_ulong,
 }
 
-/// A move takes 32 bytes at most; the rest is some 190.
-const HOST_WORDS: usize = (240 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
+/// A move takes 32 bytes at most; the rest is some 220.
+const HOST_WORDS: usize = (272 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
 
 /// A host session. All zero is a new session with default settings. Its contents are private.
 #[derive(Debug)]
@@ -169,7 +191,19 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
     let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(&Settings { answer_ms, probe_ms, move_ms, gap_ms, attempts, window, ascii, first_number }) = settings {
+    if let Some(settings) = settings {
+        let &Settings {
+            answer_ms,
+            probe_ms,
+            move_ms,
+            gap_ms,
+            attempts,
+            window,
+            ascii,
+            first_number,
+            absolute_every,
+            echo,
+        } = settings;
         host.set(host::Settings {
             answer_ms: duration(answer_ms),
             probe_ms: duration(probe_ms),
@@ -179,6 +213,8 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
             window: u8::try_from(window).unwrap_or_default(),
             ascii: u8::from(ascii != 0),
             first_number: u16::try_from(first_number).unwrap_or_default(),
+            absolute_every: u8::try_from(absolute_every).unwrap_or_default(),
+            echo: u8::from(echo != 0),
         });
     }
     GX_RC_SUCCESS
@@ -235,6 +271,26 @@ pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_
         }
         _ => GX_RC_ERROR_GENERIC,
     }
+}
+
+/// Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before. It
+/// is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED` says
+/// that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them ended.
+///
+/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
+///
+/// ```c
+/// if (stop_is_pressed())
+///     gx_host_control(&host, GX_CONTROL_STOP);
+/// ```
+#[export(gx)]
+pub unsafe extern "C" fn gx_host_control(host: *mut Host, control: c_int) -> c_int {
+    // SAFETY: host is NULL or valid.
+    match (unsafe { Room::get(host) }, control_of(control)) {
+        (Some(host), Some(control)) => host.control(control),
+        _ => return GX_RC_ERROR_GENERIC,
+    }
+    GX_RC_SUCCESS
 }
 
 /// Takes received bytes; `now_ms` is when they came.
@@ -344,8 +400,18 @@ pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Heal
     let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let host::Health { moves, repeats, completions, errors, strays, reports, malformed, timeouts, sessions } =
-        host.health();
+    let host::Health {
+        moves,
+        repeats,
+        completions,
+        errors,
+        strays,
+        reports,
+        malformed,
+        timeouts,
+        sessions,
+        deviations,
+    } = host.health();
     to.moves = c_ulong::from(*moves);
     to.repeats = c_ulong::from(*repeats);
     to.completions = c_ulong::from(*completions);
@@ -355,6 +421,7 @@ pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Heal
     to.malformed = c_ulong::from(*malformed);
     to.timeouts = c_ulong::from(*timeouts);
     to.sessions = c_ulong::from(*sessions);
+    to.deviations = c_ulong::from(*deviations);
     GX_RC_SUCCESS
 }
 
@@ -373,8 +440,8 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
 
 /// # Safety
 ///
-/// event points to writable memory of its type.
-unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
+/// to points to writable memory of its type.
+unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
     let (mut outcome, mut code, mut number) = (0, 0, None);
     let kind = match happened {
         None => 0,
@@ -382,23 +449,35 @@ unsafe fn write_event(event: *mut HostEvent, happened: Option<&Event<'_>>) {
             (outcome, code) = (*how as c_int, *why);
             GX_HOST_ENDED
         }
-        Some(Event::Report(position)) => {
+        Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
             // SAFETY: the same contract.
-            unsafe { (*event).position.set(position) };
-            GX_HOST_REPORT
+            unsafe { (*to).position.set(position) };
+            match event {
+                Event::Report(_) => GX_HOST_REPORT,
+                Event::Drift(_) => GX_HOST_DRIFT,
+                _ => GX_HOST_STOPPED,
+            }
         }
         Some(Event::Error(why, of)) => {
             (code, number) = (*why, *of);
             GX_HOST_ERROR
         }
         Some(Event::Begun) => GX_HOST_BEGUN,
+        Some(Event::Status(status)) => {
+            (code, number) = (status.is_held.into(), Some(status.free.into()));
+            GX_HOST_STATUS
+        }
+        Some(Event::Unanswered(control)) => {
+            code = *control as u8;
+            GX_HOST_UNANSWERED
+        }
     };
     // SAFETY: the same contract.
     unsafe {
-        (*event).kind = kind;
-        (*event).outcome = outcome;
-        (*event).code = code.into();
-        (*event).number = number.map_or(-1, |number| int(number.into()));
+        (*to).kind = kind;
+        (*to).outcome = outcome;
+        (*to).code = code.into();
+        (*to).number = number.map_or(-1, |number| int(number.into()));
     }
 }
 
@@ -406,4 +485,5 @@ const _: () = {
     assert!(GX_HOST_FINISHED == Outcome::Finished as c_int && GX_HOST_REFUSED == Outcome::Refused as c_int);
     assert!(GX_HOST_FAILED == Outcome::Failed as c_int && GX_HOST_DROPPED == Outcome::Dropped as c_int);
     assert!(GX_HOST_TIMED_OUT == Outcome::TimedOut as c_int && GX_HOST_LOST == Outcome::Lost as c_int);
+    assert!(GX_HOST_DEVIATED == Outcome::Deviated as c_int);
 };

@@ -51,16 +51,25 @@ pub const GX_MOTION_BEGUN: c_int = 4;
 /// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
 /// sent back, and not told here.)
 pub const GX_MOTION_REPORTING: c_int = 5;
+/// Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves.
+pub const GX_MOTION_HOLD: c_int = 6;
+/// Event: a host wants the machine to go on.
+pub const GX_MOTION_RESUME: c_int = 7;
+/// Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
+/// (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
+/// also if it does already.
+pub const GX_MOTION_STOP: c_int = 8;
 
 /// Something that happened.
 #[derive(Debug)]
 #[repr(C)]
 pub struct MotionEvent {
-    /// What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`.
+    /// What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`.
     pub kind: c_int,
-    /// The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`.
+    /// The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
+    /// `GX_MOTION_STOP`.
     pub number: c_int,
-    /// Of `GX_MOTION_REFUSED`, why: `GX_FAULT_*`; 0 of others.
+    /// Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others.
     pub code: c_int,
     /// Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
     pub period: c_int,
@@ -73,6 +82,9 @@ pub struct Settings {
     /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
     /// default 1000, as somebody may be typing.
     pub gap_ms: c_ulong,
+    /// The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
+    /// to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+    pub host_ms: c_ulong,
     /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
     /// leave them out. By default all six.
     pub axes: c_int,
@@ -100,8 +112,8 @@ pub struct Health {
 }
 
 /// What a queued move takes: structs have no padding on AVR.
-const MOVE_BYTES: usize = if align_of::<i32>() == 1 { 29 } else { 32 };
-const MOTION_WORDS: usize = (184 + MOVE_BYTES * GX_QUEUE_MAX) / size_of::<c_ulong>();
+const MOVE_BYTES: usize = if align_of::<i32>() == 1 { 30 } else { 32 };
+const MOTION_WORDS: usize = (192 + MOVE_BYTES * GX_QUEUE_MAX) / size_of::<c_ulong>();
 
 /// A motion side. All zero is a new one with default settings. Its contents are private.
 #[derive(Debug)]
@@ -128,9 +140,10 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Se
     let (Some(motion), settings) = (unsafe { (Room::init(motion), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(&Settings { gap_ms, axes, only_in_order }) = settings {
+    if let Some(&Settings { gap_ms, host_ms, axes, only_in_order }) = settings {
         motion.set(motion::Settings {
             gap_ms: duration(gap_ms),
+            host_ms: duration(host_ms),
             axes: u8::try_from(axes & c_int::from(MASK_AXES)).unwrap_or_default(),
             only_in_order: u8::from(only_in_order != 0),
         });
@@ -244,7 +257,8 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 
 /// Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
 /// the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
-/// one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken.
+/// one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken; if the host
+/// wanted the stop, before this call: the position is reported then, and the velocity that is in force.
 ///
 /// code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
 ///
@@ -378,6 +392,9 @@ unsafe fn write_event(event: *mut MotionEvent, happened: Option<Event>) {
         Some(Event::Refused(number, code)) => (GX_MOTION_REFUSED, number, code, 0),
         Some(Event::Begun(number)) => (GX_MOTION_BEGUN, number, 0, 0),
         Some(Event::Reporting(period)) => (GX_MOTION_REPORTING, None, 0, period),
+        Some(Event::Hold) => (GX_MOTION_HOLD, None, 0, 0),
+        Some(Event::Resume) => (GX_MOTION_RESUME, None, 0, 0),
+        Some(Event::Stop(code)) => (GX_MOTION_STOP, None, code, 0),
     };
     // SAFETY: the same contract.
     unsafe {

@@ -67,16 +67,18 @@ layouts! {
     }
     gx_host_settings = gx_host::Settings {
         answer_ms: c_ulong, probe_ms: c_ulong, move_ms: c_ulong, gap_ms: c_ulong, attempts: c_int, window: c_int,
-        ascii: c_int, first_number: c_int,
+        ascii: c_int, first_number: c_int, absolute_every: c_int, echo: c_int,
     }
     gx_host_health = gx_host::Health {
         moves: c_ulong, repeats: c_ulong, completions: c_ulong, errors: c_ulong, strays: c_ulong, reports: c_ulong,
-        malformed: c_ulong, timeouts: c_ulong, sessions: c_ulong,
+        malformed: c_ulong, timeouts: c_ulong, sessions: c_ulong, deviations: c_ulong,
     }
     gx_host_event = gx_host::HostEvent {
         kind: c_int, outcome: c_int, code: c_int, number: c_int, position: gx::Vector,
     }
-    gx_motion_settings = gx_motion::Settings { gap_ms: c_ulong, axes: c_int, only_in_order: c_int }
+    gx_motion_settings = gx_motion::Settings {
+        gap_ms: c_ulong, host_ms: c_ulong, axes: c_int, only_in_order: c_int,
+    }
     gx_motion_health = gx_motion::Health {
         moves: c_ulong, repeats: c_ulong, refused: c_ulong, malformed: c_ulong, reports: c_ulong,
     }

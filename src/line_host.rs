@@ -61,9 +61,9 @@ use super::line_protocol::{
     OLP_RC_TOO_LONG,
 };
 use super::memory::{bytes_of, duration, fill, int, long, short, text_of, time, zero};
+use crate::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, state};
 use deltarobot_export::export;
-use crate::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
 use deltarobot_protocols::line::host::{self, QueueError};
 use deltarobot_protocols::session::RoundTrips;
 

@@ -146,8 +146,9 @@ mod sim {
             ("#1R0\n", "#1\n"),
             ("#3x1\n", "#3?16\n"),
             ("#2xyz\n", "#2?4\n"),
-            ("#2x5\n", "#2\n"),
-            ("#2x5\n", "#2\n"),
+            // A session's ends carry a check of where they led: 14 bits, the lower half of them the number's.
+            ("#2x5\n", "&4482\n"),
+            ("#2x5\n", "&4482\n"),
             ("x1\n", "\n?18\n"),
             ("#3V9999x500\n", "#3?20\n"),
             ("#4x5\n", "#4?17\n"),
@@ -174,12 +175,24 @@ mod sim {
     }
 
     #[test]
+    fn it_holds_and_stops() {
+        let mut talk = Talk::with_sim(&["--protocol", "gx", "--velocity", "1000"]);
+        talk.say("#7x500\n");
+        talk.say("%254\n%381\n%508\n");
+        let lines = talk.hear_lines(4);
+        assert_eq!(lines[..3], ["%271", "%15", "#7?20"]);
+        assert!(lines[3].starts_with("=V0x"), "{lines:?}");
+        talk.say("#8%127\n");
+        assert_eq!(talk.hear_lines(2), ["#8", "%16"]);
+    }
+
+    #[test]
     fn or_only_in_order() {
         let mut talk = Talk::with_sim(&["--protocol", "gx", "--only-in-order"]);
         talk.say("#7x1\n");
         assert_eq!(talk.hear_lines(1), ["#7?17"]);
         talk.say("#6R0\n#7x1\n");
-        assert_eq!(talk.hear_lines(2), ["#6", "#7"]);
+        assert_eq!(talk.hear_lines(2), ["#6", "&8455"]);
     }
 
     #[test]

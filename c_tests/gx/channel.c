@@ -27,7 +27,7 @@ enum {
 static struct gx_host hosts[2], *host = hosts;
 static struct gx_host_settings host_settings;
 
-static long finished, refused, failed, dropped, timed_out, lost, restarts;
+static long finished, refused, failed, dropped, timed_out, lost, deviated, restarts;
 static long commands, repeats, bytes_down;
 
 /* --- the user --- */
@@ -126,6 +126,10 @@ static void move_ended(const struct gx_host_event *event)
         break;
     case GX_HOST_LOST:
         ++lost;
+        break;
+    case GX_HOST_DEVIATED:
+        ++deviated;
+        HOLDS(0, "deviated, and nothing was damaged");
         break;
     default:
         HOLDS(0, "no outcome");
@@ -228,6 +232,8 @@ static void host_tells(void)
     while (gx_host_poll(host, clock_ms(), &event) == GX_RC_SUCCESS)
         if (event.kind == GX_HOST_ENDED)
             move_ended(&event);
+        else
+            HOLDS(event.kind != GX_HOST_DRIFT, "off the plan, and nothing was damaged");
 }
 
 static int host_output(void *out, int cap)
@@ -347,8 +353,8 @@ static void run_once(unsigned long run)
 int main(int argc, char **argv)
 {
     run_all(argc, argv, RUNS, run_once, 40);
-    printf("%ld finished, %ld refused, %ld failed, %ld dropped, %ld timed out, %ld lost; %ld new hosts\n", finished,
-           refused, failed, dropped, timed_out, lost, restarts);
+    printf("%ld finished, %ld refused, %ld failed, %ld dropped, %ld timed out, %ld lost, %ld deviated; %ld new hosts\n", finished,
+           refused, failed, dropped, timed_out, lost, deviated, restarts);
     printf("%ld commands in %ld bytes, %ld repeats\n", commands, bytes_down, repeats);
     return check_summary("gx_channel");
 }

@@ -120,6 +120,235 @@ static void moves_take_the_shortest_form(void)
     CHECK_INT((long)health().sessions, 1);
 }
 
+/* The check of where a move leads: x and y, and the velocity unless it is -1. */
+static void confirms(int number, int axes, int velocity, long x, long y, int wrong)
+{
+    unsigned char bytes[8];
+    struct gx_vector target;
+    struct gx_number its_number;
+    int check;
+    memset(&target, 0, sizeof target);
+    target.mask = (unsigned char)(axes | (velocity >= 0 ? GX_MASK_VELOCITY : 0));
+    target.velocity = (uint16_t)(velocity >= 0 ? velocity : 0);
+    target.axes[0] = (int32_t)x;
+    target.axes[1] = (int32_t)y;
+    its_number.value = (uint16_t)number;
+    its_number.format = GX_BINARY;
+    check = (gx_check(&target, number) + wrong) % 127;
+    hears(bytes, gx_write_confirmed(&its_number, check, bytes, sizeof bytes));
+}
+
+static void confirmations_are_compared_with_the_plan(void)
+{
+    begin();
+    move(1000, -1000, 3, 1000);
+    move(1001, -1000, 1, -1);
+    move(1001, -999, 2, -1);
+    move(1001, -998, 2, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\xC3\xE8\x87\xE8\x87\x80\x80\x98\xF8\xFF\xFF"
+         "#\xD7\xAA\x2A\x81\x81"
+         "#\xD8\xAA\x2A\x82\x81"
+         "#\xD9\xAA\x2A\x82\x81");
+    confirms(5462, 3, 1000, 1000, -1000, 0);
+    CHECK(ends(GX_HOST_FINISHED, 0)); /* at once */
+    CHECK_INT(gx_host_next_deadline(&host, now), 50); /* the gap, though nothing waits for it */
+    confirms(5463, 3, 1000, 1001, -1000, 1);
+    CHECK(ends(GX_HOST_DEVIATED, 0));
+    /* One that is not the oldest may itself be damaged: the next decides, about those before it too. */
+    confirms(5465, 3, 1000, 1001, -998, 1);
+    nothing_happens();
+    confirms(5465, 3, 1000, 1001, -998, 0);
+    CHECK(ends(GX_HOST_DEVIATED, 0));
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    nothing_happens();
+    /* The next goes out with all that is known, the one behind it need not. */
+    move(1002, -998, 1, -1);
+    move(1003, -998, 1, -1);
+    SAYS("#\xDA\xAA\x21\xC3\xE8\x87\xEA\x87\x80\x80\x9A\xF8\xFF\xFF"
+         "#\xDB\xAA\x2A\x81\x81");
+    /* Twice wrong: all up to there. */
+    confirms(5467, 3, 1000, 1003, -998, 5);
+    nothing_happens();
+    confirms(5467, 3, 1000, 1003, -998, 5);
+    CHECK(ends(GX_HOST_DEVIATED, 0));
+    CHECK(ends(GX_HOST_DEVIATED, 0));
+    confirms(5467, 3, 1000, 1003, -998, 0); /* late */
+    nothing_happens();
+    CHECK_INT((long)health().deviations, 4);
+    CHECK_INT((long)health().strays, 1);
+    CHECK_INT((long)health().completions, 10); /* three of them of the handshake */
+}
+
+static void every_so_manieth_move_is_absolute(void)
+{
+    int i;
+    settings.absolute_every = 3;
+    settings.window = 1;
+    begin();
+    for (i = 0; i < 7; ++i) {
+        move(i, 5, i == 0 ? 3 : 1, -1);
+        if (i == 0)
+            open_session();
+        if (i == 0)
+            SAYS("#\xD6\xAA\x21\x83\x80\x80\x80\x80\x85\x80\x80\x80");
+        else if (i == 2)
+            SAYS("#\xD8\xAA\x21\x81\x82\x80\x80\x80");
+        else if (i == 5)
+            SAYS("#\xDB\xAA\x21\x81\x85\x80\x80\x80");
+        else
+            CHECK_INT(gx_host_output(&host, (unsigned char[128]){0}, 128, now), 6);
+        confirms(5462 + i, 3, -1, i, 5, 0);
+        CHECK(ends(GX_HOST_FINISHED, 0));
+    }
+}
+
+static void reports_are_compared_with_the_plan(void)
+{
+    begin();
+    move(100, 0, 3, -1);
+    move(200, 50, 3, -1);
+    open_session();
+    gx_host_output(&host, (unsigned char[128]){0}, 128, now);
+    HEARS("=x-5y7\n"); /* where it came from is not known */
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    confirms(5462, 3, -1, 100, 0, 0);
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    HEARS("=x150y25z9\n");
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    HEARS("=x201y50\n");
+    CHECK_INT(kind_of_event(), GX_HOST_DRIFT);
+    CHECK_INT(event.position.axes[0], 201);
+    HEARS("=x201y50\n"); /* said already */
+    CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    move(201, 50, 1, -1);
+    SAYS("#\xD8\xAA\x21\x83\xC9\x81\x80\x80\xB2\x80\x80\x80");
+    HEARS("=x201y51\n");
+    CHECK_INT(kind_of_event(), GX_HOST_DRIFT);
+    nothing_happens();
+    CHECK_INT((long)health().deviations, 2);
+}
+
+static void hosts_ask_past_the_queue(void)
+{
+    int i;
+    settings.attempts = 3;
+    settings.move_ms = 3000;
+    begin();
+    move(1, 0, 1, -1);
+    move(2, 0, 1, -1);
+    open_session();
+    SAYS("#\xD6\xAA\x21\x81\x81\x80\x80\x80#\xD7\xAA\x2A\x81\x81");
+    CHECK_INT(gx_host_control(&host, 4), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_control(&host, -1), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_control(NULL, 0), GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_QUERY), GX_RC_SUCCESS);
+    SAYS("\n%\xFF\x80");
+    HEARS("%\x8E\x80");
+    CHECK_INT(kind_of_event(), GX_HOST_STATUS);
+    CHECK_INT(event.number, 14);
+    CHECK_INT(event.code, 0);
+    /* Hold: repeated until the status says so; then moves may last as long as they like. */
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_HOLD), GX_RC_SUCCESS);
+    SAYS("\n%\xFE\x81");
+    HEARS("%\x8E\x80");
+    CHECK_INT(kind_of_event(), GX_HOST_STATUS);
+    now += 250;
+    nothing_happens();
+    SAYS("\n%\xFE\x81");
+    HEARS("%\x8E\x82");
+    CHECK_INT(kind_of_event(), GX_HOST_STATUS);
+    CHECK_INT(event.code, 1);
+    for (i = 0; i < 9; ++i) {
+        now += 1000;
+        nothing_happens();
+        SAYS("#\xD7\xAA\x21\x81\x82\x80\x80\x80"); /* is it still there? */
+        HEARS("=x1\n");
+        CHECK_INT(kind_of_event(), GX_HOST_REPORT);
+    }
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_RESUME), GX_RC_SUCCESS);
+    SAYS("\n%\xFD\x82");
+    HEARS("%\x8E\x80");
+    CHECK_INT(kind_of_event(), GX_HOST_STATUS);
+    now += 2999;
+    nothing_happens();
+    CHECK_INT(gx_host_unfinished(&host), 2);
+    gx_host_output(&host, (unsigned char[128]){0}, 128, now);
+    /* Stop: nothing else is sent any more, and the end is told by the notice, or at the latest by the position. */
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_STOP), GX_RC_SUCCESS);
+    move(3, 0, 1, -1);
+    SAYS("\n%\xFC\x83");
+    HEARS("#\xD6\xAA?\x94");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK(ends(GX_HOST_FAILED, GX_FAULT_STOPPED));
+    CHECK(ends(GX_HOST_DROPPED, GX_FAULT_STOPPED));
+    CHECK(ends(GX_HOST_DROPPED, GX_FAULT_STOPPED));
+    move(4, 0, 1, -1);
+    nothing_happens();
+    SAYS(""); /* no session before it is known where */
+    HEARS("=V900x1\n");
+    CHECK_INT(kind_of_event(), GX_HOST_STOPPED);
+    CHECK_INT(event.position.mask, 0x41);
+    CHECK_INT(event.position.velocity, 900);
+    nothing_happens();
+    SAYS("\x1B#\xAA\xD5~\x80\x80");
+
+    /* Nobody knows that, or nobody is there. */
+    begin();
+    move(1, 0, 1, -1);
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_STOP), GX_RC_SUCCESS);
+    CHECK(ends(GX_HOST_DROPPED, 0)); /* it was never sent */
+    SAYS("\n%\xFC\x83");
+    HEARS("\n?\x81");
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    CHECK_INT(kind_of_event(), GX_HOST_UNANSWERED);
+    CHECK_INT(event.code, GX_CONTROL_STOP);
+    settings.attempts = 3;
+    begin();
+    CHECK_INT(gx_host_control(&host, GX_CONTROL_QUERY), GX_RC_SUCCESS);
+    for (i = 0; i < 3; ++i) {
+        nothing_happens();
+        SAYS("\n%\xFF\x80");
+        CHECK_INT(gx_host_next_deadline(&host, now), 250);
+        now += 250;
+    }
+    CHECK_INT(kind_of_event(), GX_HOST_UNANSWERED);
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
+}
+
+/* One move at a time, in positions, and no session. */
+static void a_mere_echo_is_driven_if_that_is_set(void)
+{
+    settings.echo = 1;
+    settings.probe_ms = 5000;
+    settings.move_ms = 60000;
+    settings.attempts = 2;
+    begin();
+    move(1, 2, 3, 700);
+    move(2, 2, 1, -1);
+    CHECK_INT(kind_of_event(), GX_HOST_BEGUN);
+    nothing_happens();
+    SAYS("#\x81\x80\x21\xC3\xBC\x85\x81\x80\x80\x80\x82\x80\x80\x80");
+    SAYS("");
+    now += 5000;
+    nothing_happens();
+    SAYS("#\x81\x80\x21\xC3\xBC\x85\x81\x80\x80\x80\x82\x80\x80\x80");
+    now += 5000;
+    nothing_happens();
+    SAYS("#\x81\x80\x21\xC3\xBC\x85\x81\x80\x80\x80\x82\x80\x80\x80"); /* it may be a long one */
+    HEARS("#\x81\x80\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    SAYS("#\x82\x80\x21\xC3\xBC\x85\x82\x80\x80\x80\x82\x80\x80\x80");
+    HEARS("#\x81\x80\n#\x81\x80\n"); /* of what was sent again */
+    nothing_happens();
+    HEARS("#\x82\x80?\x84"); /* the line has damaged it */
+    CHECK_INT(kind_of_event(), GX_HOST_ERROR);
+    nothing_happens();
+    SAYS("#\x82\x80\x21\xC3\xBC\x85\x82\x80\x80\x80\x82\x80\x80\x80");
+    now += 60000;
+    CHECK(ends(GX_HOST_TIMED_OUT, 0));
+}
+
 static void in_ascii(void)
 {
     settings.ascii = 1;
@@ -431,9 +660,15 @@ int main(void)
     all_zero_is_a_session();
     if (GX_WINDOW_MAX >= 6)
         moves_take_the_shortest_form();
-    if (GX_WINDOW_MAX >= 2)
+    if (GX_WINDOW_MAX >= 2) {
         in_ascii();
+        reports_are_compared_with_the_plan();
+        a_mere_echo_is_driven_if_that_is_set();
+    }
+    every_so_manieth_move_is_absolute();
     if (GX_WINDOW_MAX >= 4) {
+        confirmations_are_compared_with_the_plan();
+        hosts_ask_past_the_queue();
         errors_have_all_sent_again_in_long_form();
         silence_has_the_newest_sent_again_until_time_is_out();
         refused_for_good();

@@ -74,7 +74,7 @@ static void arguments_of_the_host(void)
 
 static void a_host_in_any_memory(void)
 {
-    static const char ALPHABET[] = "\x81\x83\x80\xFF\xAA\xD5\xD6###?!=0123 xyzc\n\r-+";
+    static const char ALPHABET[] = "\x81\x83\x80\xFF\xAA\xD5\xD6###?!=&%0123 xyzc\n\r-+";
     static const int32_t TARGET[GX_AXES] = {GX_POSITION_MAX, GX_POSITION_MIN, 0, 0, 0, GX_POSITION_MAX + 1};
     struct gx_host_event event;
     int round, step, count, done, events;
@@ -92,6 +92,8 @@ static void a_host_in_any_memory(void)
             gx_host_move(&host, TARGET, 1 + step % 31, step % 4 ? -1 : step);
             if (step % 7 == 0)
                 gx_host_report(&host, step);
+            if (step % 6 == 0)
+                gx_host_control(&host, step / 6);
             count = some_room();
             done = gx_host_output(&host, out, count, now);
             CHECK(done >= 0 && done <= count);
@@ -135,7 +137,7 @@ static void arguments_of_the_motion_side(void)
 
 static void a_motion_side_in_any_memory(void)
 {
-    static const char ALPHABET[] = "\x1B\x81\x83\x80\xFF\xC1#!*~R0123V xyzc\n\r?=-+";
+    static const char ALPHABET[] = "\x1B\x81\x83\x80\xFF\xC1#!*~%R01258V xyzc\n\r?=-+";
     struct gx_motion_event event;
     struct gx_vector move = {0, 0, {0}};
     int round, step, count, done, events, number;
@@ -152,6 +154,8 @@ static void a_motion_side_in_any_memory(void)
             CHECK(events < 64);
             if (step % 3 == 0 && gx_motion_next(&motion, &move, &number) == GX_RC_SUCCESS)
                 gx_motion_done(&motion);
+            if (step % 9 == 8)
+                gx_motion_stop(&motion, 0);
             if (step % 7 == 0)
                 gx_motion_set_position(&motion, move.axes);
             count = some_room();

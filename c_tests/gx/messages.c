@@ -94,6 +94,13 @@ static void vectors(void)
     CHECK_INT(COMMAND("~\x80\x80", GX_REPORTING, GX_BINARY).period, 0);
     CHECK_INT(COMMAND("~\xE8\x87", GX_REPORTING, GX_BINARY).period, 1000);
     CHECK_INT(COMMAND("~\xFF\xFF", GX_REPORTING, GX_BINARY).period, 16383);
+    CHECK_INT(COMMAND("%\xFF\x80", GX_CONTROL, GX_BINARY).code, GX_CONTROL_QUERY);
+    CHECK_INT(COMMAND("%254\n", GX_CONTROL, GX_ASCII).code, GX_CONTROL_HOLD);
+    CHECK_INT(COMMAND("%\xFD\x82", GX_CONTROL, GX_BINARY).code, GX_CONTROL_RESUME);
+    NUMBERED(COMMAND("#7%508\n", GX_CONTROL, GX_ASCII), 7, GX_ASCII);
+    CHECK_INT(COMMAND("#7%508\n", GX_CONTROL, GX_ASCII).code, GX_CONTROL_STOP);
+    CHECK_INT(COMMAND("%509\n", GX_CONTROL, GX_ASCII).code, GX_CONTROL_UNKNOWN);
+    CHECK_INT(COMMAND("%\x83\x83", GX_CONTROL, GX_BINARY).code, GX_CONTROL_UNKNOWN);
     /* A period is no velocity. */
     VECTOR(COMMAND("~\xFF\xFF", GX_REPORTING, GX_BINARY), 0, 0, 0, 0);
 }
@@ -218,14 +225,27 @@ static void hear_notices(void)
     VECTOR(NOTICE("=x400y-300\n", GX_POSITION, GX_ASCII), 3, 0, 400, -300);
     VECTOR(NOTICE("=!\x83\xE8\x87\x80\x80\x98\xF8\xFF\xFF", GX_POSITION, GX_BINARY), 3, 0, 1000, -1000);
 
+    VECTOR(NOTICE("=!\xC1\xE8\x87\x85\x80\x80\x80", GX_POSITION, GX_BINARY), 0x41, 1000, 5, 0);
+    VECTOR(NOTICE("=x5V1000\n", GX_POSITION, GX_ASCII), 0x41, 1000, 5, 0);
+    /* Confirmations and the status: 14 bits each. */
+    NUMBERED(NOTICE("&\xD6\xAA", GX_CONFIRMED, GX_BINARY), 86, GX_BINARY);
+    CHECK_INT(NOTICE("&\xD6\xAA", GX_CONFIRMED, GX_BINARY).code, 42);
+    NUMBERED(NOTICE("&5462\n", GX_CONFIRMED, GX_ASCII), 86, GX_ASCII);
+    CHECK_INT(NOTICE("&5462\n", GX_CONFIRMED, GX_ASCII).code, 42);
+    CHECK_INT(NOTICE("%\x8F\x82", GX_STATUS, GX_BINARY).period, 15);
+    CHECK_INT(NOTICE("%\x8F\x82", GX_STATUS, GX_BINARY).code, 1);
+    CHECK_INT(NOTICE("%15\n", GX_STATUS, GX_ASCII).period, 15);
+    CHECK_INT(NOTICE("%15\n", GX_STATUS, GX_ASCII).code, 0);
+    BAD_NOTICE("&16384\n", GX_ASCII, GX_FAULT_RANGE);
+    BAD_NOTICE("&\x80\n", GX_BINARY, GX_FAULT_SYNTAX);
+    BAD_NOTICE("%\n", GX_ASCII, GX_FAULT_SYNTAX);
     BAD_NOTICE("?128\n", GX_ASCII, GX_FAULT_RANGE);
     BAD_NOTICE("?\n", GX_ASCII, GX_FAULT_SYNTAX);
     BAD_NOTICE("#16384\n", GX_ASCII, GX_FAULT_NUMBER);
     BAD_NOTICE("#\n", GX_ASCII, GX_FAULT_NUMBER);
     BAD_NOTICE("#12 \n", GX_ASCII, GX_FAULT_SYNTAX);
-    BAD_NOTICE("=!\xC1\x80\x80\x80\x80\x80\x80", GX_BINARY, GX_FAULT_SYNTAX);
     BAD_NOTICE("=!\x80", GX_BINARY, GX_FAULT_EMPTY);
-    BAD_NOTICE("=V5\n", GX_ASCII, GX_FAULT_SYNTAX);
+    BAD_NOTICE("=R5\n", GX_ASCII, GX_FAULT_SYNTAX);
     BAD_NOTICE("=\n", GX_ASCII, GX_FAULT_EMPTY);
     BAD_NOTICE("x5\n", GX_ASCII, GX_FAULT_UNKNOWN);
 
@@ -278,6 +298,27 @@ static int written;
         CHECK_BYTES(room, bytes, sizeof(bytes) - 1);                                                                   \
     } while (0)
 
+/* The residue modulo 127 of all bytes, the highest first; positions counted from the least one. */
+static void check_by_the_definition(const struct gx_vector *target, int number)
+{
+    unsigned char bytes[28];
+    unsigned sum = 0;
+    int axis, i;
+    memset(bytes, 0, sizeof bytes);
+    bytes[0] = (unsigned char)(number >> 8);
+    bytes[1] = (unsigned char)number;
+    if (target->mask & GX_MASK_VELOCITY) {
+        bytes[2] = (unsigned char)(target->velocity >> 8);
+        bytes[3] = (unsigned char)target->velocity;
+    }
+    for (axis = 0; axis < GX_AXES; ++axis)
+        for (i = 0; i < 4 && target->mask >> axis & 1; ++i)
+            bytes[4 + 4 * axis + i] = (unsigned char)((uint32_t)(target->axes[axis] + 134217728) >> (24 - 8 * i));
+    for (i = 0; i < (int)sizeof bytes; ++i)
+        sum = (sum * 256 + bytes[i]) % 127;
+    CHECK_INT(gx_check(target, number), sum);
+}
+
 static void write_vectors(void)
 {
     const struct gx_number twelve = number(12, GX_BINARY), twelve_ascii = number(12, GX_ASCII);
@@ -302,6 +343,26 @@ static void write_vectors(void)
     WRITES(gx_write_refused(GX_ASCII, NULL, 5, room, sizeof room), "\n?5\n");
     WRITES(gx_write_position(GX_BINARY, &target, room, sizeof room), "=!\x83\xE8\x87\x80\x80\x98\xF8\xFF\xFF");
     WRITES(gx_write_position(GX_ASCII, &target, room, sizeof room), "=x1000y-1000\n");
+    WRITES(gx_write_position(GX_ASCII, &fast, room, sizeof room), "=V1000x400y300\n");
+    WRITES(gx_write_control(GX_BINARY, NULL, GX_CONTROL_STOP, room, sizeof room), "%\xFC\x83");
+    WRITES(gx_write_control(GX_ASCII, &twelve_ascii, GX_CONTROL_QUERY, room, sizeof room), "#12%127\n");
+    WRITES(gx_write_confirmed(&twelve, 42, room, sizeof room), "&\x8C\xAA");
+    WRITES(gx_write_confirmed(&last, 1, room, sizeof room), "&255\n");
+    WRITES(gx_write_status(GX_BINARY, 16, 1, room, sizeof room), "%\x90\x82");
+    WRITES(gx_write_status(GX_ASCII, 0, 0, room, sizeof room), "%0\n");
+    CHECK_INT(gx_write_control(GX_ASCII, NULL, 4, room, sizeof room), -GX_RC_RANGE);
+    CHECK_INT(gx_write_control(GX_ASCII, NULL, -1, room, sizeof room), -GX_RC_RANGE);
+    CHECK_INT(gx_write_control(3, NULL, 0, room, sizeof room), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_write_confirmed(NULL, 1, room, sizeof room), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_write_confirmed(&twelve, 128, room, sizeof room), -GX_RC_RANGE);
+    CHECK_INT(gx_write_status(GX_BINARY, 256, 0, room, sizeof room), -GX_RC_RANGE);
+    CHECK_INT(gx_write_status(GX_BINARY, -1, 0, room, sizeof room), -GX_RC_RANGE);
+    check_by_the_definition(&fast, 12);
+    check_by_the_definition(&step, 16383);
+    check_by_the_definition(&all, 0);
+    CHECK_INT(gx_check(NULL, 0), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_check(&step, -1), -GX_RC_ERROR_GENERIC);
+    CHECK_INT(gx_check(&step, 16384), -GX_RC_ERROR_GENERIC);
 
     /* The longest of all, into exactly its room and into all that are smaller. */
     for (i = 0; i < 6; ++i)
@@ -359,7 +420,9 @@ static void what_can_not_be_written(void)
     target = vector(0x83, 0, 0, 0);
     CHECK_INT(gx_write_move(GX_BINARY, NULL, &target, room, sizeof room), -GX_RC_RANGE);
     target = vector(0x43, 5, 0, 0);
+    target.mask = 0x80;
     CHECK_INT(gx_write_position(GX_BINARY, &target, room, sizeof room), -GX_RC_RANGE);
+    target.mask = 0x43;
     CHECK_INT(gx_write_move(GX_BINARY, &too_large, &target, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_completed(&too_large, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_refused(GX_BINARY, NULL, 128, room, sizeof room), -GX_RC_RANGE);

@@ -57,6 +57,39 @@ static int says(const char *expected, int count)
     return 0;
 }
 
+/* What a move of a session is confirmed by: of the axes named in the session, these two are not 0. */
+static char expected[128];
+static int expected_size;
+
+static void confirmed(int number, int format, int named, int velocity, long x, long y)
+{
+    struct gx_vector target;
+    struct gx_number its_number;
+    memset(&target, 0, sizeof target);
+    target.mask = (unsigned char)named;
+    target.velocity = (uint16_t)velocity;
+    target.axes[0] = (int32_t)x;
+    target.axes[1] = (int32_t)y;
+    its_number.value = (uint16_t)number;
+    its_number.format = (unsigned char)format;
+    expected_size += gx_write_confirmed(&its_number, gx_check(&target, number), expected + expected_size,
+                                        (int)sizeof expected - expected_size);
+}
+
+static int says_expected(const char *behind)
+{
+    strcpy(expected + expected_size, behind);
+    expected_size = 0;
+    return says(expected, (int)strlen(expected));
+}
+
+/* Where packed bytes have no zeros, and text neither. */
+#define CONFIRMS(number, format, named, velocity, x, y)                                                                \
+    do {                                                                                                               \
+        confirmed(number, format, named, velocity, x, y);                                                              \
+        CHECK(says_expected(""));                                                                                      \
+    } while (0)
+
 /* As a host that begins a session does, from number 10923: 0 lies 5461 behind it, so the first move is 1. */
 static void open_session(void)
 {
@@ -193,7 +226,7 @@ static void numbers_count_in_a_session(int only_in_order)
     CHECK(goes(0x01, 0, 5, 0));
     CHECK(goes(0x01, 1, 6, 0));
     CHECK(carries_out(0x01, 2, 7, 0));
-    SAYS("#\x80\x80");
+    CONFIRMS(0, GX_BINARY, 1, 0, 5, 0);
     /* Again what is done, and what is not. */
     CHECK_INT(FEED("#\x80\x80\x21\x81\x85\x80\x80\x80"), GX_MOTION_REPEATED);
     SAYS("#\x80\x80");
@@ -201,10 +234,14 @@ static void numbers_count_in_a_session(int only_in_order)
     SAYS("=!\xBF\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80");
     done();
     done();
-    SAYS("#\x81\x80#\x82\x80");
+    confirmed(1, GX_BINARY, 1, 0, 6, 0);
+    CONFIRMS(2, GX_BINARY, 1, 0, 7, 0);
+    /* The newest one again: with its check. */
+    CHECK_INT(FEED("#\x82\x80\x21\x81\x87\x80\x80\x80"), GX_MOTION_REPEATED);
+    CONFIRMS(2, GX_BINARY, 1, 0, 7, 0);
     CHECK_INT(gx_motion_next(&motion, &(struct gx_vector){0, 0, {0}}, NULL), GX_RC_NO_EVENT);
     CHECK_INT((long)health().moves, 3);
-    CHECK_INT((long)health().repeats, 2);
+    CHECK_INT((long)health().repeats, 3);
     CHECK_INT((long)health().refused, only_in_order ? 7 : 5);
     /* ESC clears what has come; twice, it ends the session. */
     CHECK_INT(FEED("#\x83\x80\x1B#\x83\x80\x2A\x81\x81"), GX_MOTION_QUEUED);
@@ -273,11 +310,11 @@ static void ascii_is_answered_in_ascii(void)
     CHECK_INT(event.code, GX_FAULT_SYNTAX);
     SAYS("#14?4\n");
     CHECK(carries_out(0x43, 13, 400, 300));
-    SAYS("#13\n");
+    CONFIRMS(13, GX_ASCII, 0x43, 1000, 400, 300);
     /* The number's format is the notice's, whatever the command's. */
     CHECK_INT(FEED("#14 \x2A\x81\x81"), GX_MOTION_QUEUED);
     CHECK(carries_out(0x41, 14, 401, 300));
-    SAYS("#14\n");
+    CONFIRMS(14, GX_ASCII, 0x43, 1000, 401, 300);
 }
 
 static void a_velocity_alone_ends_in_its_turn(void)
@@ -285,14 +322,15 @@ static void a_velocity_alone_ends_in_its_turn(void)
     begin(0, 0);
     open_session();
     CHECK_INT(FEED("#1 V7\n"), GX_MOTION_QUEUED);
-    SAYS("#1\n"); /* nothing to wait for */
+    CONFIRMS(1, GX_ASCII, 0x40, 7, 0, 0); /* nothing to wait for */
     CHECK_INT(FEED("#2 x1\n#3 V8\n#4 x2\n"), GX_MOTION_QUEUED);
     SAYS("");
     CHECK(goes(0x41, 2, 1, 0));
     CHECK(carries_out(0x41, 4, 2, 0));
-    SAYS("#2\n#3\n");
+    confirmed(2, GX_ASCII, 0x41, 7, 1, 0);
+    CONFIRMS(3, GX_ASCII, 0x41, 8, 1, 0);
     done();
-    SAYS("#4\n");
+    CONFIRMS(4, GX_ASCII, 0x41, 8, 2, 0);
     CHECK_INT(gx_motion_unfinished(&motion), 0);
 }
 
@@ -308,11 +346,11 @@ static void a_full_queue_refuses(void)
     CHECK_INT(event.code, GX_FAULT_BUSY);
     CHECK(says(text, sprintf(text, "#%d?9\n", i)));
     CHECK(carries_out(0x01, 1, 1, 0));
-    SAYS("#1\n");
+    CONFIRMS(1, GX_ASCII, 1, 0, 1, 0);
     CHECK_INT(feed(text, sprintf(text, "#%d x%d\n", i, i)), GX_MOTION_QUEUED);
     for (i = 2; i <= GX_QUEUE_MAX + 1; ++i) {
         CHECK(carries_out(0x01, i, i, 0));
-        CHECK(says(text, sprintf(text, "#%d\n", i)));
+        CONFIRMS(i, GX_ASCII, 1, 0, i, 0);
     }
 }
 
@@ -328,7 +366,8 @@ static void a_stop_drops_everything(void)
     CHECK_INT(gx_motion_stop(&motion, -1), GX_RC_ERROR_GENERIC);
     CHECK_INT(gx_motion_stop(&motion, 64), GX_RC_SUCCESS);
     CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS); /* nothing more to tell */
-    SAYS("#1\n#2?64\n");
+    confirmed(1, GX_ASCII, 3, 0, 1, 1);
+    CHECK(says_expected("#2?64\n"));
     CHECK_INT(gx_motion_unfinished(&motion), 0);
     CHECK_INT(gx_motion_done(&motion), GX_RC_NO_EVENT);
     /* What the host has sent before it heard of that. */
@@ -353,6 +392,87 @@ static void a_stop_drops_everything(void)
     CHECK_INT(FEED("x9\n"), GX_MOTION_QUEUED);
 }
 
+static void a_host_holds_resumes_and_stops(void)
+{
+    static const int32_t AT[GX_AXES] = {33, 1, 0, 0, 0, 0};
+    struct gx_vector move;
+    begin(3, 0);
+    open_session();
+    FEED("#1 V500x100y1\n#2 x200\n#3 V900x300\n");
+    CHECK(goes(0x43, 1, 100, 1));
+    CHECK_INT(FEED("%\xFF\x80"), 0); /* a query alone */
+    CHECK(says("%\x8D\x80", 3) || GX_QUEUE_MAX != 16);
+    CHECK_INT(FEED("%254\n"), GX_MOTION_HOLD);
+    CHECK_INT(gx_motion_next(&motion, &move, NULL), GX_RC_NO_EVENT);
+    CHECK(says("%269\n", 5) || GX_QUEUE_MAX != 16); /* 256 and 13 */
+    CHECK_INT(gx_motion_next_deadline(&motion, now + 5000), 0); /* the gap alone */
+    done(); /* it came to its end before it stood */
+    CHECK_INT(FEED("#4 x400\n"), GX_MOTION_QUEUED);
+    CHECK_INT(FEED("#5 %381\n"), GX_MOTION_RESUME);
+    confirmed(1, GX_ASCII, 0x43, 500, 100, 1);
+    CHECK(says_expected("#5\n%13\n") || GX_QUEUE_MAX != 16);
+    CHECK(goes(0x41, 2, 200, 1));
+    /* ESC ESC or another session stop nothing, this does. */
+    CHECK_INT(FEED("%\xFC\x83"), GX_MOTION_STOP);
+    CHECK_INT(event.code, GX_FAULT_STOPPED);
+    CHECK_INT(gx_motion_next(&motion, &move, NULL), GX_RC_NO_EVENT);
+    SAYS("");
+    CHECK_INT(gx_motion_set_position(&motion, AT), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    SAYS("#2?20\n=!\xC3\x84\x87\xA1\x80\x80\x80\x81\x80\x80\x80"); /* 900 holds, as the last that was taken */
+    CHECK_INT(gx_motion_unfinished(&motion), 0);
+    CHECK_INT(FEED("#5 x3\n"), GX_MOTION_REFUSED);
+    SAYS("#5?17\n");
+    CHECK_INT(FEED("#6R0\n"), GX_MOTION_BEGUN);
+    CHECK_INT(FEED("#7 x3\n"), GX_MOTION_QUEUED);
+    CHECK(goes(0x41, 7, 3, 1));
+    SAYS("#6\n");
+    /* The host has not heard of it, and asks again. */
+    CHECK_INT(FEED("%508\n"), GX_MOTION_STOP);
+    CHECK_INT(FEED("%254\n%381\n"), GX_MOTION_RESUME);
+    CHECK_INT(gx_motion_next(&motion, &move, NULL), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_stop(&motion, 99), GX_RC_SUCCESS);
+    SAYS("#7?99\n=V900x33y1\n");
+    /* What is not known is refused. */
+    CHECK_INT(FEED("#9%3\n"), GX_MOTION_REFUSED);
+    CHECK_INT(event.code, GX_FAULT_UNKNOWN);
+    SAYS("#9?1\n");
+    /* A stop by the firmware alone says nothing of positions. */
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    SAYS("");
+}
+
+static void a_silent_host_stops_the_machine(void)
+{
+    struct gx_motion_settings settings;
+    memset(&settings, 0, sizeof settings);
+    settings.host_ms = 700;
+    settings.gap_ms = 100;
+    CHECK_INT(gx_motion_init(&motion, &settings), GX_RC_SUCCESS);
+    now = 0xFFFFFFFFul - 300;
+    CHECK_INT(FEED("#5 x9\n"), GX_MOTION_QUEUED);
+    CHECK_INT(gx_motion_poll(&motion, (now + 100) & 0xFFFFFFFFul, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_next_deadline(&motion, (now + 100) & 0xFFFFFFFFul), 600);
+    now = (now + 699) & 0xFFFFFFFFul;
+    CHECK_INT(FEED("\n"), 0); /* anything will do */
+    now = (now + 699) & 0xFFFFFFFFul;
+    CHECK_INT(gx_motion_poll(&motion, now, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_next_deadline(&motion, now), 1);
+    now += 1;
+    CHECK_INT(gx_motion_poll(&motion, now, &event), GX_RC_SUCCESS);
+    CHECK_INT(event.kind, GX_MOTION_STOP);
+    CHECK_INT(event.code, GX_FAULT_SILENT);
+    CHECK_INT(gx_motion_poll(&motion, now, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_stop(&motion, 0), GX_RC_SUCCESS);
+    CHECK_INT(gx_motion_next_deadline(&motion, now), 0);
+    SAYS("#5?20\n=!\xFF\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80\x80");
+    /* Nothing is left to stop. */
+    now += 100000;
+    CHECK_INT(gx_motion_poll(&motion, now, &event), GX_RC_NO_EVENT);
+    CHECK_INT(gx_motion_next_deadline(&motion, now), -1);
+    now = 0;
+}
+
 static void a_new_session_silences_the_old_one(void)
 {
     begin(0, 0);
@@ -366,7 +486,7 @@ static void a_new_session_silences_the_old_one(void)
     CHECK(carries_out(0x01, 5001, 3, 0));
     SAYS("");
     done();
-    SAYS("#5001\n");
+    CONFIRMS(5001, GX_ASCII, 1, 0, 3, 0);
 }
 
 /* A host that knows the proposal and nothing more, from power-up on: `settings` NULL. */
@@ -489,6 +609,7 @@ int main(void)
         nothing_else_begins_a_session();
         a_velocity_alone_ends_in_its_turn();
         a_stop_drops_everything();
+        a_host_holds_resumes_and_stops();
         a_new_session_silences_the_old_one();
         hosts_number_as_they_like();
         what_is_not_fetched_stops_the_line();
@@ -497,5 +618,6 @@ int main(void)
     a_full_queue_refuses();
     positions_are_reported_periodically();
     half_a_command_is_given_up();
+    a_silent_host_stops_the_machine();
     return check_summary("gx_motion");
 }

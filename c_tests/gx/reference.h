@@ -44,7 +44,7 @@ static int is_one_of(const char *these, unsigned char byte)
 
 static const char *starts_of(const struct reference *reader)
 {
-    return reader->host ? "#=?" : "!*#~";
+    return reader->host ? "#=?&%" : "!*#~%";
 }
 
 static const char *letters_of(const struct reference *reader)
@@ -99,8 +99,6 @@ static enum verdict read_packed(const unsigned char *bytes, int count, struct gx
         return bad(item, GX_FAULT_SYNTAX, GX_BINARY);
     if (bytes[0] == 0x80)
         return bad(item, GX_FAULT_EMPTY, GX_BINARY);
-    if (kind == GX_POSITION && bytes[0] & 0x40)
-        return bad(item, GX_FAULT_SYNTAX, GX_BINARY);
     for (; at < count; ++at)
         if (!is_packed(bytes[at]))
             return bad(item, GX_FAULT_SYNTAX, GX_BINARY);
@@ -138,7 +136,7 @@ static enum verdict read_words(const struct reference *reader, const unsigned ch
             return INCOMPLETE;
         if (is_line_end(bytes[at]))
             break;
-        if (!is_one_of(reader->host ? "xyzabc" : order, bytes[at]))
+        if (!is_one_of(reader->host ? "xyzabcV" : order, bytes[at]))
             return bad(item, GX_FAULT_SYNTAX, GX_ASCII);
         word = (int)(strchr(order, bytes[at]) - order);
         if (seen >> word & 1)
@@ -170,6 +168,44 @@ static enum verdict read_words(const struct reference *reader, const unsigned ch
     return complete(item, reporting ? GX_REPORTING : reader->host ? GX_POSITION : GX_MOVE, GX_ASCII);
 }
 
+/* 14 bits, packed or in digits: kind says what they are. */
+static enum verdict read_14_bits(const unsigned char *bytes, int count, struct gx_item *item, int kind)
+{
+    int digits = 0, value;
+    if (count == 0 || (count == 1 && is_packed(bytes[0])))
+        return INCOMPLETE;
+    if (is_packed(bytes[0])) {
+        if (!is_packed(bytes[1]))
+            return bad(item, GX_FAULT_SYNTAX, GX_BINARY);
+        value = (int)packed_value(bytes, 2, 0);
+        complete(item, kind, GX_BINARY);
+    } else {
+        while (digits < count && is_digit(bytes[digits]))
+            ++digits;
+        if (digits == count)
+            return INCOMPLETE;
+        if (digits == 0 || !is_line_end(bytes[digits]))
+            return bad(item, GX_FAULT_SYNTAX, GX_ASCII);
+        if (decimal_value(bytes, digits) > 16383)
+            return bad(item, GX_FAULT_RANGE, GX_ASCII);
+        value = (int)decimal_value(bytes, digits);
+        complete(item, kind, GX_ASCII);
+    }
+    if (kind == GX_CONFIRMED) {
+        item->number.value = (uint16_t)(value & 127);
+        item->number.format = item->format;
+        item->code = (unsigned char)(value >> 7);
+    } else if (kind == GX_STATUS) {
+        item->period = (uint16_t)(value & 255);
+        item->code = value >> 8 & 1;
+    } else {
+        /* A code and its complement. */
+        int code = value >> 7;
+        item->code = (unsigned char)(code <= GX_CONTROL_STOP && (value & 127) == 127 - code ? code : GX_CONTROL_UNKNOWN);
+    }
+    return COMPLETE;
+}
+
 static enum verdict read_command(const struct reference *reader, const unsigned char *bytes, int count,
                                  struct gx_item *item)
 {
@@ -193,6 +229,8 @@ static enum verdict read_command(const struct reference *reader, const unsigned 
         item->period = (uint16_t)packed_value(bytes + 1, 2, 0);
         return complete(item, GX_REPORTING, GX_BINARY);
     }
+    if (bytes[0] == '%')
+        return read_14_bits(bytes + 1, count - 1, item, GX_CONTROL);
     if (is_one_of("xyzabcVR", bytes[0]))
         return read_words(reader, bytes, count, item);
     return bad(item, GX_FAULT_UNKNOWN, is_packed(bytes[0]) ? GX_BINARY : GX_ASCII);
@@ -235,6 +273,8 @@ static enum verdict read_notice(const struct reference *reader, const unsigned c
         complete(item, GX_COMPLETED, GX_BINARY);
         return COMPLETE_BEFORE;
     }
+    if (bytes[0] == '&' || bytes[0] == '%')
+        return read_14_bits(bytes + 1, count - 1, item, bytes[0] == '&' ? GX_CONFIRMED : GX_STATUS);
     if (bytes[0] != '=')
         return bad(item, GX_FAULT_UNKNOWN, is_packed(bytes[0]) ? GX_BINARY : GX_ASCII);
     if (count == 1)
@@ -367,8 +407,10 @@ static void reference_idle(struct reference *reader, struct gx_item *item)
             bad(item, GX_FAULT_INTERRUPTED, item->number.format == GX_BINARY ? GX_BINARY : GX_ASCII);
         else
             bad(item, GX_FAULT_INTERRUPTED,
-                is_one_of("!*~", bytes[at]) || (bytes[at] == '=' && at + 1 < count && bytes[at + 1] == '!') ? GX_BINARY
-                                                                                                            : GX_ASCII);
+                is_one_of("!*~", bytes[at]) || (bytes[at] == '=' && at + 1 < count && bytes[at + 1] == '!') ||
+                        (is_one_of("&%", bytes[at]) && at + 1 < count && is_packed(bytes[at + 1]))
+                    ? GX_BINARY
+                    : GX_ASCII);
     }
     reader->count = 0;
     reader->skipping = SKIPS_NOTHING;

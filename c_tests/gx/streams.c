@@ -47,6 +47,12 @@ static int any_item(int host, char *out, struct gx_item *item)
         item->period = (uint16_t)any(16384);
         return gx_write_reporting(item->format, &item->number, item->period, out, GX_ENCODED_MAX);
     }
+    if (!host && any(8) == 0) {
+        memset(&item->vector, 0, sizeof item->vector);
+        item->kind = GX_CONTROL;
+        item->code = (unsigned char)any(4);
+        return gx_write_control(item->format, &item->number, item->code, out, GX_ENCODED_MAX);
+    }
     if (is_short) {
         item->kind = GX_STEP;
         item->format = GX_BINARY;
@@ -59,10 +65,6 @@ static int any_item(int host, char *out, struct gx_item *item)
     if (any(2)) {
         item->kind = GX_POSITION;
         memset(&item->number, 0, sizeof item->number);
-        item->vector.velocity = 0;
-        item->vector.mask &= 0x3F;
-        if (item->vector.mask == 0)
-            item->vector.mask = 1;
         return gx_write_position(item->format, &item->vector, out, GX_ENCODED_MAX);
     }
     memset(&item->vector, 0, sizeof item->vector);
@@ -70,6 +72,19 @@ static int any_item(int host, char *out, struct gx_item *item)
         item->kind = GX_COMPLETED;
         item->format = item->number.format;
         return gx_write_completed(&item->number, out, GX_ENCODED_MAX);
+    }
+    if (any(3) == 0) {
+        item->kind = GX_CONFIRMED;
+        item->number = number(any(128), item->format);
+        item->code = (unsigned char)any(127);
+        return gx_write_confirmed(&item->number, item->code, out, GX_ENCODED_MAX);
+    }
+    if (any(3) == 0) {
+        item->kind = GX_STATUS;
+        memset(&item->number, 0, sizeof item->number);
+        item->period = (uint16_t)any(256);
+        item->code = (unsigned char)any(2);
+        return gx_write_status(item->format, item->period, item->code, out, GX_ENCODED_MAX);
     }
     item->kind = GX_REFUSED;
     item->code = (unsigned char)any(128);
@@ -119,7 +134,7 @@ static void what_is_written_is_read(int host)
 /* Damaged streams, and noise of the bytes that mean something: as the reference reads them. */
 static void damage_is_read_as_by_the_reference(int host)
 {
-    static const char telling[] = "!*#~=?R\n\r\x1B xyzabcV0123456789-+\x81\x83\xC1\xFF\x80";
+    static const char telling[] = "!*#~%&=?R\n\r\x1B xyzabcV0123456789-+\x81\x83\xC1\xFF\x80";
     static unsigned char stream[STREAM_MAX];
     struct receiver receiver;
     struct reference reader;
@@ -191,7 +206,7 @@ static void any_memory(int host)
         ++calls;
         if (item.kind == GX_NONE)
             continue;
-        CHECK(item.kind > 0 && item.kind <= GX_POSITION && (item.format == GX_BINARY || item.format == GX_ASCII));
+        CHECK(item.kind > 0 && item.kind <= GX_STATUS && (item.format == GX_BINARY || item.format == GX_ASCII));
         CHECK(item.number.value <= GX_NUMBER_MAX && item.number.format <= GX_ASCII && item.code < 128);
         CHECK(item.period <= GX_PERIOD_MAX && item.vector.velocity <= GX_VELOCITY_MAX && item.vector.mask < 128);
         for (i = 0; i < 6; ++i)

@@ -22,7 +22,7 @@ static int expected, failed, gone, loses; /* the next write */
 
 /* What the machine has told. */
 static struct {
-    int ended[GX_HOST_LOST + 1];
+    int ended[GX_HOST_DEVIATED + 1];
     int last_outcome, last_code;
     int reports, errors, moving_reports;
     int32_t at[GX_AXES];

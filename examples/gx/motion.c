@@ -88,7 +88,7 @@ static void run_machine(struct machine *machine)
 
 static void start(struct machine *machine, int axes)
 {
-    struct gx_motion_settings settings = {0, 0, 0};
+    struct gx_motion_settings settings = {0, 0, 0, 0};
     settings.axes = (1 << axes) - 1;
     gx_motion_init(&machine->link, &settings);
     gx_motion_set_position(&machine->link, machine->at);

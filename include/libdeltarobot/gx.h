@@ -67,8 +67,32 @@ extern "C" {
 #define GX_COMPLETED 5
 /** Notice: the command, with this number if it had one, was not; code says why. */
 #define GX_REFUSED 6
-/** Notice: the position is that in vector. */
+
+/**
+ * Notice: the position is that in vector; with a velocity, the machine was stopped there, and that one is in force.
+ */
 #define GX_POSITION 7
+
+/**
+ * Notice, in sessions: the move whose number ends in the seven bits of number was carried out. code is what `gx_check`
+ * makes of where it led.
+ */
+#define GX_CONFIRMED 8
+
+/** Command, an extension: what code asks for past the queue, one of `GX_CONTROL_*`. */
+#define GX_CONTROL 9
+/** Notice, an extension: period more moves fit into the queue, and the machine holds if code is not 0. */
+#define GX_STATUS 10
+/** The status. */
+#define GX_CONTROL_QUERY 0
+/** To hold now: to stop for now, in the middle of a move too. */
+#define GX_CONTROL_HOLD 1
+/** To go on. */
+#define GX_CONTROL_RESUME 2
+/** To stop now, and to forget all moves. */
+#define GX_CONTROL_STOP 3
+/** What is received and none of these. */
+#define GX_CONTROL_UNKNOWN 127
 /** No command begins like that. */
 #define GX_FAULT_UNKNOWN 1
 
@@ -102,6 +126,8 @@ extern "C" {
 #define GX_FAULT_AXIS 19
 /** The machine has stopped before this move was finished; those behind it are dropped. */
 #define GX_FAULT_STOPPED 20
+/** The machine has stopped as its host was silent. */
+#define GX_FAULT_SILENT 21
 /** Codes from here to 127 are the firmware's own. */
 #define GX_FAULT_OWN 64
 /** The axes: x, y, z, a, b, c. */
@@ -274,6 +300,20 @@ int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 int gx_follow(struct gx_vector *position, const struct gx_item *item);
 
 /**
+ * The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
+ * where all axes are to be after it, and the velocity then in force; its mask flags those that were named in the session
+ * up to this move. number is the move's.
+ *
+ * Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
+ *
+ * ```c
+ * if (item.kind == GX_CONFIRMED && item.code != gx_check(&target, 5462))
+ *     puts("the machine is elsewhere");
+ * ```
+ */
+int gx_check(const struct gx_vector *target, int number);
+
+/**
  * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
@@ -407,7 +447,7 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
 int gx_write_refused(int format, const struct gx_number *number, int code, void *buf, int cap);
 
 /**
- * Writes a position report. A position has no velocity: flagged, it does not fit.
+ * Writes a position report; with a velocity, the machine was stopped there, and that one is in force.
  *
  * Returns what `gx_write_move` does.
  *
@@ -418,6 +458,45 @@ int gx_write_refused(int format, const struct gx_number *number, int code, void 
  * ```
  */
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
+
+/**
+ * Writes what a host asks for past the queue: one of `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ */
+int gx_write_control(int format, const struct gx_number *number, int control, void *buf, int cap);
+
+/**
+ * Writes the notice that a move of a session was carried out; check is what `gx_check` returns.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ */
+int gx_write_confirmed(const struct gx_number *number, int check, void *buf, int cap);
+
+/**
+ * Writes the status of a motion side: free more moves fit into its queue, at most 255, and it holds if held is not 0.
+ *
+ * Returns what `gx_write_move` does.
+ *
+ * ```c
+ * int length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out);
+ * if (length > 0)
+ *     uart_write(&uart, out, length);
+ * ```
+ */
+int gx_write_status(int format, int free, int held, void *buf, int cap);
 
 #ifdef __cplusplus
 }

@@ -59,6 +59,7 @@ LIBDELTAROBOT_NOT_PACKED(gx_host);
 #define gx_host_init GX_SIZED_NAME(gx_host_init)
 #define gx_host_move GX_SIZED_NAME(gx_host_move)
 #define gx_host_report GX_SIZED_NAME(gx_host_report)
+#define gx_host_control GX_SIZED_NAME(gx_host_control)
 #define gx_host_receive GX_SIZED_NAME(gx_host_receive)
 #define gx_host_poll GX_SIZED_NAME(gx_host_poll)
 #define gx_host_output GX_SIZED_NAME(gx_host_output)
@@ -68,7 +69,7 @@ LIBDELTAROBOT_NOT_PACKED(gx_host);
 #endif
 
 /** Words of a struct gx_host. */
-#define GX_HOST_WORDS ((240 + 32 * GX_WINDOW_MAX) / sizeof(unsigned long))
+#define GX_HOST_WORDS ((272 + 32 * GX_WINDOW_MAX) / sizeof(unsigned long))
 
 #ifdef __cplusplus
 extern "C" {
@@ -86,6 +87,21 @@ extern "C" {
 #define GX_HOST_ERROR 3
 /** Event: a session has begun. */
 #define GX_HOST_BEGUN 4
+/** Event: a position report that does not fit what was requested: position. The next move corrects that. */
+#define GX_HOST_DRIFT 5
+/** Event: the status: number more moves fit into the motion side's queue, and it holds if code is not 0. */
+#define GX_HOST_STATUS 6
+
+/**
+ * Event: the machine was stopped at position, and has forgotten all moves; the velocity in it is the one in force.
+ */
+#define GX_HOST_STOPPED 7
+
+/**
+ * Event: what `gx_host_control` asked for got no answer, or is not known to the motion side: code, `GX_CONTROL_*`.
+ */
+#define GX_HOST_UNANSWERED 8
+
 /** Outcome: the move was carried out. */
 #define GX_HOST_FINISHED 1
 /** Outcome: the motion side did not accept the move. It was not carried out. */
@@ -107,6 +123,12 @@ extern "C" {
  * out is not known.
  */
 #define GX_HOST_LOST 6
+
+/**
+ * Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is sent
+ * in positions of all axes, which corrects that.
+ */
+#define GX_HOST_DEVIATED 7
 
 /** A host session. All zero is a new session with default settings. Its contents are private. */
 struct gx_host {
@@ -139,21 +161,36 @@ struct gx_host_settings {
   int ascii;
   /** The number that the first session begins with, 0 to 16383. */
   int first_number;
+  /** Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th. */
+  int absolute_every;
+  /**
+   * Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
+   * at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be longer
+   * than a move lasts.
+   */
+  int echo;
 };
 
 /** Something that happened. */
 struct gx_host_event {
-  /** What: one of `GX_HOST_ENDED` to `GX_HOST_BEGUN`. */
+  /** What: one of `GX_HOST_ENDED` to `GX_HOST_UNANSWERED`. */
   int kind;
-  /** Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_LOST`; 0 of others. */
+  /** Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_DEVIATED`; 0 of others. */
   int outcome;
   /**
-   * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; else 0.
+   * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; of
+   * `GX_HOST_STATUS` and `GX_HOST_UNANSWERED`, see there; else 0.
    */
   int code;
-  /** Of `GX_HOST_ERROR`, the number that the notice names; -1 when it names none, and of others. */
+  /**
+   * Of `GX_HOST_ERROR`, the number that the notice names, -1 when it names none; of `GX_HOST_STATUS`, see there; -1
+   * of others.
+   */
   int number;
-  /** Of `GX_HOST_REPORT`, the position; its mask tells the axes. Other events leave it alone. */
+  /**
+   * Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`, the position; its mask flags the axes. Other events
+   * leave it alone.
+   */
   struct gx_vector position;
 };
 
@@ -177,6 +214,8 @@ struct gx_host_health {
   unsigned long timeouts;
   /** Sessions begun. */
   unsigned long sessions;
+  /** Ends and reports that did not fit what was requested. */
+  unsigned long deviations;
 };
 
 /**
@@ -229,6 +268,20 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
  * ```
  */
 int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
+
+/**
+ * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before. It
+ * is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED` says
+ * that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them ended.
+ *
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
+ *
+ * ```c
+ * if (stop_is_pressed())
+ *     gx_host_control(&host, GX_CONTROL_STOP);
+ * ```
+ */
+int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control");
 
 /**
  * Takes received bytes; `now_ms` is when they came.

@@ -59,9 +59,9 @@ LIBDELTAROBOT_NOT_PACKED(gx_motion);
 
 /** Words of a struct gx_motion. A queued move takes fewer bytes on AVR, where structs have no padding. */
 #ifdef __AVR__
-#define GX_MOTION_WORDS ((184 + 29 * GX_QUEUE_MAX) / sizeof(unsigned long))
+#define GX_MOTION_WORDS ((192 + 30 * GX_QUEUE_MAX) / sizeof(unsigned long))
 #else
-#define GX_MOTION_WORDS ((184 + 32 * GX_QUEUE_MAX) / sizeof(unsigned long))
+#define GX_MOTION_WORDS ((192 + 32 * GX_QUEUE_MAX) / sizeof(unsigned long))
 #endif
 
 #ifdef __cplusplus
@@ -83,6 +83,18 @@ extern "C" {
  */
 #define GX_MOTION_REPORTING 5
 
+/** Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves. */
+#define GX_MOTION_HOLD 6
+/** Event: a host wants the machine to go on. */
+#define GX_MOTION_RESUME 7
+
+/**
+ * Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
+ * (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
+ * also if it does already.
+ */
+#define GX_MOTION_STOP 8
+
 /** A motion side. All zero is a new one with default settings. Its contents are private. */
 struct gx_motion {
   unsigned long opaque[GX_MOTION_WORDS];
@@ -95,6 +107,11 @@ struct gx_motion_settings {
    * default 1000, as somebody may be typing.
    */
   unsigned long gap_ms;
+  /**
+   * The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
+   * to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+   */
+  unsigned long host_ms;
   /**
    * Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
    * leave them out. By default all six.
@@ -111,11 +128,14 @@ struct gx_motion_settings {
 
 /** Something that happened. */
 struct gx_motion_event {
-  /** What: one of `GX_MOTION_QUEUED` to `GX_MOTION_REPORTING`. */
+  /** What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`. */
   int kind;
-  /** The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING`. */
+  /**
+   * The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
+   * `GX_MOTION_STOP`.
+   */
   int number;
-  /** Of `GX_MOTION_REFUSED`, why: `GX_FAULT_*`; 0 of others. */
+  /** Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others. */
   int code;
   /**
    * Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
@@ -225,7 +245,8 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 /**
  * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
  * the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
- * one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken.
+ * one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken; if the host
+ * wanted the stop, before this call: the position is reported then, and the velocity that is in force.
  *
  * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
  *

@@ -3,11 +3,11 @@
 use core::ffi::{c_int, c_void};
 
 use super::super::memory::int;
-use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE, Number, Vector, room};
+use super::{GX_ASCII, GX_BINARY, GX_RC_ERROR_GENERIC, GX_RC_OVERFLOW, GX_RC_RANGE, Number, Vector, control_of, room};
 use deltarobot_export::export;
 use deltarobot_protocols::gx::{
-    self, EncodeError, Format, write_completed, write_move, write_position, write_refused, write_reporting,
-    write_shortest, write_step,
+    self, EncodeError, Format, Status, write_completed, write_confirmed, write_control, write_move, write_position,
+    write_refused, write_reporting, write_shortest, write_status, write_step,
 };
 
 /// Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn gx_write_refused(
     unsafe { write(number, buf, cap, |number, room| write_refused(format_of(format)?, number, code, room)) }
 }
 
-/// Writes a position report. A position has no velocity: flagged, it does not fit.
+/// Writes a position report; with a velocity, the machine was stopped there, and that one is in force.
 ///
 /// Returns what `gx_write_move` does.
 ///
@@ -173,6 +173,76 @@ pub unsafe extern "C" fn gx_write_position(
         let position = vector_of(position);
         write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, &position?, room))
     }
+}
+
+/// Writes what a host asks for past the queue: one of `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+#[export]
+pub unsafe extern "C" fn gx_write_control(
+    format: c_int,
+    number: *const Number,
+    control: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    let control = control_of(control).ok_or(EncodeError::Range);
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
+    unsafe { write(number, buf, cap, |number, room| write_control(format_of(format)?, number, control?, room)) }
+}
+
+/// Writes the notice that a move of a session was carried out; check is what `gx_check` returns.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+#[export]
+pub unsafe extern "C" fn gx_write_confirmed(
+    number: *const Number,
+    check: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    let check = u8::try_from(check).unwrap_or(u8::MAX);
+    // SAFETY: pointers are NULL or valid, and cap is buf's size.
+    unsafe {
+        write(number, buf, cap, |number, room| {
+            let number = number.ok_or(EncodeError::Empty)?;
+            write_confirmed(number.format, number.value, check, room)
+        })
+    }
+}
+
+/// Writes the status of a motion side: free more moves fit into its queue, at most 255, and it holds if held is not 0.
+///
+/// Returns what `gx_write_move` does.
+///
+/// ```c
+/// int length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out);
+/// if (length > 0)
+///     uart_write(&uart, out, length);
+/// ```
+#[export]
+pub unsafe extern "C" fn gx_write_status(
+    format: c_int,
+    free: c_int,
+    held: c_int,
+    buf: *mut c_void,
+    cap: c_int,
+) -> c_int {
+    let status = u8::try_from(free).map(|free| Status { free, is_held: held != 0 }).map_err(|_| EncodeError::Range);
+    // SAFETY: cap is buf's size.
+    unsafe { write(core::ptr::null(), buf, cap, |_, room| write_status(format_of(format)?, status?, room)) }
 }
 
 fn format_of(format: c_int) -> Result<Format, EncodeError> {

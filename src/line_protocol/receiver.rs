@@ -5,9 +5,9 @@ use core::ptr::null;
 
 use super::{LineText, OLP_LINE_COMPLETE, OLP_LINE_NONE, OLP_LINE_OVERLONG, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use crate::memory::{bytes_of, int};
+use crate::sizes::OLP_LINE_MAX;
 use crate::state::{Room, state};
 use deltarobot_export::export;
-use crate::sizes::OLP_LINE_MAX;
 use deltarobot_protocols::line::{self, Received};
 
 /// `unsigned long`s of a receiver, with some room to spare.

@@ -18,12 +18,15 @@ pub(super) struct GxOptions {
     /// Sends in ASCII; in binary by default
     #[arg(long)]
     ascii: bool,
+    /// The machine only sends numbers back, as the posted proposal has it: one move at a time, without a session
+    #[arg(long)]
+    echo: bool,
 }
 
 impl GxOptions {
     /// The first of them that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        self.ascii.then_some("--ascii")
+        self.ascii.then_some("--ascii").or_else(|| self.echo.then_some("--echo"))
     }
 }
 
@@ -52,6 +55,7 @@ pub(super) fn send(
     settings.gap_ms = u32::try_from(link.device.gap().as_millis()).unwrap_or(u32::MAX);
     settings.attempts = arguments.attempts.map_or(0, i16::from);
     settings.ascii = arguments.gx.ascii.into();
+    settings.echo = arguments.gx.echo.into();
     let mut sender = Sender {
         host: Host::new(settings),
         rest: moves.iter().cloned().collect(),
@@ -81,6 +85,7 @@ impl Session for Sender {
                 Outcome::Dropped => ("dropped", Status::NotDone),
                 Outcome::TimedOut => ("timed out", Status::TimedOut),
                 Outcome::Lost => ("lost, as the machine has restarted", Status::TimedOut),
+                Outcome::Deviated => ("finished elsewhere, as a command was damaged", Status::NotDone),
             };
             let reason = (code != 0).then(|| reason(code));
             let command = self.sent.pop_front().unwrap_or_default();

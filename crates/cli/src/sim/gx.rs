@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use deltarobot_protocols::gx::motion::{Motion, Settings};
+use deltarobot_protocols::gx::motion::{Event, Motion, Settings};
 use deltarobot_protocols::gx::{AXES, ENCODED_MAX, Fault, POSITION_MAX, Vector};
 
 use super::{Machine, above_zero, milliseconds};
@@ -46,6 +46,7 @@ const QUEUE: usize = 16;
 pub(super) struct Axes {
     motion: Motion<QUEUE>,
     machine: Moving,
+    is_held: bool,
 }
 
 impl Axes {
@@ -55,7 +56,7 @@ impl Axes {
             only_in_order: options.only_in_order.into(),
             ..Settings::new()
         };
-        let mut axes = Self { motion: Motion::new(), machine: Moving::new(options) };
+        let mut axes = Self { motion: Motion::new(), machine: Moving::new(options), is_held: false };
         axes.motion.set(settings);
         axes.motion.set_position(&axes.machine.position());
         axes
@@ -64,8 +65,20 @@ impl Axes {
     /// Tells all that there is to tell.
     fn tell(&mut self, now: Duration, out: &mut Vec<u8>) {
         let now = milliseconds(now);
-        // What happened, the moves themselves tell.
-        while self.motion.poll(now).is_some() {}
+        // What else happened, the moves themselves tell.
+        while let Some(event) = self.motion.poll(now) {
+            match event {
+                Event::Hold => self.is_held = true,
+                Event::Resume => self.is_held = false,
+                Event::Stop(_) => {
+                    self.machine.halt();
+                    self.is_held = false;
+                    self.motion.set_position(&self.machine.position());
+                    self.motion.stop(Fault::Stopped as u8);
+                }
+                _ => (),
+            }
+        }
         let mut room = [0; ENCODED_MAX];
         loop {
             match self.motion.output(&mut room, now) {
@@ -77,7 +90,7 @@ impl Axes {
 
     /// Moves on, through as many moves as the time suffices for.
     fn advance(&mut self, mut seconds: f64) {
-        loop {
+        while !self.is_held {
             if !self.machine.is_moving() {
                 let Some((target, _)) = self.motion.next() else { break };
                 self.machine.begin(target);
@@ -173,6 +186,12 @@ impl Moving {
         (self.done, self.takes) = (0.0, Some(way / self.velocity));
     }
 
+    /// Stands where it is.
+    fn halt(&mut self) {
+        self.takes = None;
+        self.to = self.at;
+    }
+
     fn turn(&mut self, seconds: f64) -> Turned {
         let Some(takes) = self.takes else { return Turned::Arrived { left: seconds } };
         self.done += seconds;
@@ -228,10 +247,24 @@ mod tests {
         assert_eq!(answers(&mut axes, b"#1R0\n", 0), b"#1\n");
         assert_eq!(answers(&mut axes, b"#2V1000x30y40\n#3x0\n", 45), b"");
         assert_eq!(axes.machine.position(), [27, 36, 0, 0, 0, 0]);
-        assert_eq!(answers(&mut axes, b"", 10), b"#2\n");
+        assert_eq!(answers(&mut axes, b"", 10), b"&2306\n");
         assert_eq!(axes.machine.position(), [25, 40, 0, 0, 0, 0]);
-        assert_eq!(answers(&mut axes, b"", 30), b"#3\n");
+        assert_eq!(answers(&mut axes, b"", 30), b"&4483\n");
         assert_eq!(axes.machine.position(), [0, 40, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn holds_goes_on_and_stops() {
+        let mut axes = Axes::new(&options());
+        assert_eq!(answers(&mut axes, b"#7V1000x100\n#8x0\n", 20), b"");
+        assert_eq!(answers(&mut axes, b"%254\n", 500), b"%270\n");
+        assert_eq!(axes.machine.position(), [20, 0, 0, 0, 0, 0]);
+        assert_eq!(answers(&mut axes, b"%381\n", 30), b"%14\n");
+        assert_eq!(axes.machine.position(), [50, 0, 0, 0, 0, 0]);
+        assert_eq!(answers(&mut axes, b"%508\n", 100), b"#7?20\n=V1000x50y0z0a0b0c0\n");
+        assert_eq!(axes.machine.position(), [50, 0, 0, 0, 0, 0]);
+        assert_eq!(answers(&mut axes, b"%127\n%3\n", 0), b"\n?1\n%16\n");
+        assert_eq!(answers(&mut axes, b"#9x40\n", 100), b"#9\n");
     }
 
     #[test]

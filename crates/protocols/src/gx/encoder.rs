@@ -4,7 +4,7 @@
 //! mean nothing.
 #![allow(clippy::missing_errors_doc, reason = "EncodeError says it for all of them")]
 
-use super::message::{Format, Number, Numbered};
+use super::message::{Control, Format, Number, Numbered, Status};
 use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, PERIOD_MAX, VELOCITY_MAX, is_delta, is_position};
 use super::packed::{pack7, pack14, pack28};
 use super::vector::{AXES, MASK_AXES, MASK_VELOCITY, Vector, bit};
@@ -94,13 +94,7 @@ pub fn write_reporting(
 ) -> Result<usize, EncodeError> {
     in_range(period <= PERIOD_MAX)?;
     let mut out = Out::numbered(number, room)?;
-    if format == Format::Binary {
-        out.byte(b'~');
-        out.bytes(&pack14(period));
-    } else {
-        out.byte(b'R');
-        out.line(period);
-    }
+    out.word(if format == Format::Binary { b'~' } else { b'R' }, period, format);
     out.length()
 }
 
@@ -128,14 +122,46 @@ pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mu
     out.length()
 }
 
-/// A position report; a velocity is out of range.
+/// A position report; with a velocity, the machine was stopped there, and that one is in force.
 pub fn write_position(format: Format, position: &Vector, room: &mut [u8]) -> Result<usize, EncodeError> {
-    in_range(position.mask & MASK_VELOCITY == 0)?;
     check(position, false)?;
-    let mut out = Out { room, length: 0 };
+    let mut out = Out::new(room);
     out.byte(b'=');
     out.positions(format, position);
     out.length()
+}
+
+/// What a host asks for past the queue.
+pub fn write_control(
+    format: Format,
+    number: Option<Number>,
+    control: Control,
+    room: &mut [u8],
+) -> Result<usize, EncodeError> {
+    let mut out = Out::numbered(number, room)?;
+    out.word(b'%', control.bits(), format);
+    out.length()
+}
+
+/// The notice that the move whose number ends in these seven bits was carried out in a session, with its
+/// [check](Vector::check).
+pub fn write_confirmed(format: Format, number: u16, check: u8, room: &mut [u8]) -> Result<usize, EncodeError> {
+    in_range(check <= CODE_MAX)?;
+    let mut out = Out::new(room);
+    out.word(b'&', confirmation(number, check), format);
+    out.length()
+}
+
+/// The notice that says how the motion side is.
+pub fn write_status(format: Format, status: Status, room: &mut [u8]) -> Result<usize, EncodeError> {
+    let mut out = Out::new(room);
+    out.word(b'%', status.bits(), format);
+    out.length()
+}
+
+/// The 14 bits of a confirmation.
+pub(super) const fn confirmation(number: u16, check: u8) -> u16 {
+    number & 0x7F | (check as u16) << 7
 }
 
 /// Whether a vector can be written.
@@ -236,6 +262,16 @@ impl<'a> Out<'a> {
             self.byte(code | HIGH);
         } else {
             self.line(code.into());
+        }
+    }
+
+    /// Something that is 14 bits and no more.
+    pub(super) fn word(&mut self, start: u8, value: u16, format: Format) {
+        self.byte(start);
+        if format == Format::Binary {
+            self.bytes(&pack14(value));
+        } else {
+            self.line(value);
         }
     }
 

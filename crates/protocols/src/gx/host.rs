@@ -55,10 +55,10 @@ mod window;
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::encoder::check;
-use super::message::{Kind, Numbered};
+use super::message::{Control, Kind, Numbered, Status};
 use super::receiver::NoticeReceiver;
 use super::vector::Vector;
-use crate::session::{Flags, count, flags};
+use crate::session::{Flags, Transmission, count, flags};
 use event::Pending;
 pub use event::{Event, Outcome};
 pub use settings::{Health, Settings};
@@ -103,6 +103,13 @@ pub struct Host<const WINDOW: usize> {
     unanswered: u8,
     /// How many handshakes in a row had the second of their requests answered, and the first not again.
     failed_handshakes: u8,
+    /// How many moves were sent since the last that named all axes.
+    since_absolute: u8,
+    /// What is asked for past the queue, as it is written, and when and how often that was sent.
+    control: u16,
+    control_sent: Transmission,
+    /// The last status, as it was written.
+    status: u16,
 }
 
 /// Why a move was not queued.
@@ -122,7 +129,7 @@ const DRAINING: u8 = 2;
 
 flags! {
     /// What is to be sent besides moves.
-    enum Send { Handshake, Reporting, Probe }
+    enum Send { Handshake, Reporting, Probe, Control }
 }
 
 flags! {
@@ -144,6 +151,14 @@ flags! {
         Used,
         /// The request of the handshake was sent more than once.
         Repeated,
+        /// An answer to what was asked for past the queue is waited for.
+        Asking,
+        /// The machine holds.
+        Paused,
+        /// The machine is not where it should be, until the next move.
+        OffPlan,
+        /// A confirmation did not fit, and was not that of the oldest move.
+        Suspect,
     }
 }
 
@@ -175,6 +190,10 @@ impl<const WINDOW: usize> Host<WINDOW> {
             cursor: 0,
             unanswered: 0,
             failed_handshakes: 0,
+            since_absolute: 0,
+            control: 0,
+            control_sent: Transmission::new(),
+            status: 0,
         }
     }
 
@@ -204,6 +223,23 @@ impl<const WINDOW: usize> Host<WINDOW> {
         self.period = period;
         self.is.set(Is::Reporting);
         self.send.set(Send::Reporting);
+    }
+
+    /// Asks for something past the queue: to hold, to go on, to stop, or how full the queue is. Repeated until it is
+    /// answered, by [`Event::Status`] or, after a stop, [`Event::Stopped`]; what was asked for before and not answered
+    /// is not any more. A stop drops what was not sent; the other moves end when the motion side says how.
+    pub fn control(&mut self, control: Control) {
+        self.control = control.bits();
+        self.control_sent.restart();
+        self.send.set(Send::Control);
+        self.is.set(Is::Asking);
+        if control == Control::Stop && !matches!(self.stage, OPEN | DRAINING) {
+            self.end_session(Outcome::Dropped, 0);
+        }
+    }
+
+    fn asked(&self) -> Option<Control> {
+        Control::of(self.control).filter(|_| self.is.has(Is::Asking))
     }
 
     /// How many moves were requested whose ends were not fetched.
@@ -255,6 +291,10 @@ impl<const WINDOW: usize> Host<WINDOW> {
         match self.pending.take_first() {
             Some(Pending::Begun) => Some(Event::Begun),
             Some(Pending::Report) => Some(Event::Report(&self.position)),
+            Some(Pending::Drift) => Some(Event::Drift(&self.position)),
+            Some(Pending::Stopped) => Some(Event::Stopped(&self.position)),
+            Some(Pending::Status) => Some(Event::Status(Status::of(self.status))),
+            Some(Pending::Unanswered) => Some(Event::Unanswered(Control::of(self.control).unwrap_or(Control::Query))),
             Some(Pending::Error) => {
                 Some(Event::Error(self.error_code, self.error_number.get().map(|number| number.value)))
             }
@@ -293,7 +333,7 @@ mod tests {
             while host.poll(0).is_some() {}
             while host.output(&mut [0; ENCODED_MAX], 0) != 0 {}
         }
-        let (first, last) = (&b"#5462\n=x1\n"[..], &b"#5463\n"[..]);
+        let (first, last) = (&b"#5462\n=x0\n"[..], &b"#5463\n"[..]);
         assert_eq!(host.receive(&[first, last].concat(), 600), first.len());
         assert!(matches!(host.poll(1200), Some(Event::Report(_))));
         assert_eq!(host.poll(1200), Some(Event::Ended(Outcome::Finished, 0)));

@@ -1,6 +1,6 @@
 //! What was received, as a value of its own.
 
-use super::message::{Format, Kind, Number};
+use super::message::{Format, Kind, Number, Status};
 use super::receiver::Receiver;
 use super::vector::{Vector, bit};
 
@@ -26,6 +26,9 @@ pub enum Message {
     Completed,
     Refused(u8),
     Position(Vector),
+    Confirmed { number: u8, check: u8 },
+    Control(u16),
+    Status(Status),
 }
 
 impl<const NOTICES: bool> Receiver<NOTICES> {
@@ -46,6 +49,12 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             Kind::Malformed => Message::Malformed(self.code()),
             Kind::Completed => Message::Completed,
             Kind::Refused => Message::Refused(self.code()),
+            Kind::Confirmed => {
+                let (number, check) = self.confirmed();
+                Message::Confirmed { number, check }
+            }
+            Kind::Control => Message::Control(self.bits()),
+            Kind::Status => Message::Status(Status::of(self.bits())),
         };
         let format = if kind == Kind::Completed { self.numbered().format() } else { self.format() };
         Item { number, format, message }

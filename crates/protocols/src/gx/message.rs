@@ -86,8 +86,67 @@ pub enum Kind {
     /// Notice: the command, with this number if it has one, was not. The code is a [`Fault`]'s or one of the
     /// controller's own, 0 to 127.
     Refused = 6,
-    /// Notice: the position is the vector's.
+    /// Notice: the position is the vector's; with a velocity, the machine was stopped there, and that one is in force.
     Position = 7,
+    /// Notice: in a session, the move whose number ends in these bits was carried out; see
+    /// [`check`](super::Vector::check).
+    Confirmed = 8,
+    /// Command: one of [`Control`], or others that are not known.
+    Control = 9,
+    /// Notice: what [`Status`] says.
+    Status = 10,
+}
+
+/// What a host asks for past the queue: an extension, which a motion side that does not know it refuses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Control {
+    /// The status.
+    Query = 0,
+    /// To hold now: the move that is carried out, too.
+    Hold = 1,
+    /// To go on.
+    Resume = 2,
+    /// To stop now and forget all moves.
+    Stop = 3,
+}
+
+impl Control {
+    /// As it is written, in 14 bits: the code and its complement, so that no flipped bit makes one of another command.
+    #[must_use]
+    pub const fn bits(self) -> u16 {
+        127_u16.wrapping_mul((self as u16).wrapping_add(1))
+    }
+
+    /// What was written asks for.
+    #[must_use]
+    pub fn of(bits: u16) -> Option<Self> {
+        [Self::Query, Self::Hold, Self::Resume, Self::Stop].into_iter().find(|control| control.bits() == bits)
+    }
+}
+
+/// How a motion side is, in 14 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Status {
+    /// How many more moves it has room for.
+    pub free: u8,
+    /// Whether it holds: bit 8.
+    pub is_held: bool,
+}
+
+impl Status {
+    /// As it is written.
+    #[must_use]
+    pub const fn bits(self) -> u16 {
+        self.free as u16 | (self.is_held as u16) << 8
+    }
+
+    /// Of what was written; bits that mean nothing are ignored.
+    #[must_use]
+    pub const fn of(bits: u16) -> Self {
+        let [free, flags] = bits.to_le_bytes();
+        Self { free, is_held: flags & 1 != 0 }
+    }
 }
 
 /// What is wrong with a command: the code of the error notice that answers it. Codes from 64 on are left to users.
@@ -123,6 +182,8 @@ pub enum Fault {
     Axis = 19,
     /// The machine has stopped: this move was not finished, those behind it are dropped.
     Stopped = 20,
+    /// The host was silent for too long.
+    Silent = 21,
 }
 
 /// The first of the codes that firmware may use as it likes, instead of [`Fault::Stopped`].

@@ -28,11 +28,11 @@ mod vector;
 
 pub use contour::Contour;
 pub use encoder::{
-    ENCODED_MAX, EncodeError, write_completed, write_move, write_position, write_refused, write_reporting,
-    write_shortest, write_step,
+    ENCODED_MAX, EncodeError, write_completed, write_confirmed, write_control, write_move, write_position,
+    write_refused, write_reporting, write_shortest, write_status, write_step,
 };
 pub use item::{Item, Message};
-pub use message::{CODE_FREE, Fault, Format, Kind, Number, Numbered};
+pub use message::{CODE_FREE, Control, Fault, Format, Kind, Number, Numbered, Status};
 pub use packed::{CODE_MAX, DELTA_MAX, DELTA_MIN, NUMBER_MAX, PERIOD_MAX, POSITION_MAX, POSITION_MIN, VELOCITY_MAX};
 pub use receiver::{CommandReceiver, NoticeReceiver, Receiver};
 pub use vector::{AXES, Lost, MASK_AXES, MASK_VELOCITY, Vector};

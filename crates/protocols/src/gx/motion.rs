@@ -55,11 +55,11 @@ mod settings;
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::encoder::Out;
-use super::message::{Format, Number};
+use super::encoder::{Out, confirmation};
+use super::message::{Fault, Format, Number, Status};
 use super::packed::is_position;
 use super::receiver::{CommandReceiver, ESC, Step};
-use super::vector::{AXES, Vector};
+use super::vector::{AXES, MASK_VELOCITY, Vector};
 use crate::session::{count, left};
 pub use event::Event;
 use event::Pending;
@@ -89,7 +89,14 @@ pub struct Motion<const QUEUE: usize> {
     busy: u8,
     /// Whether the last byte was ESC.
     escaped: u8,
+    /// Why no moves are handed out: [`HELD`] or [`STOPPING`]; 0: they are.
+    halt: u8,
 }
+
+/// Until a host lets it go on.
+const HELD: u8 = 1;
+/// Until the machine stands.
+const STOPPING: u8 = 2;
 
 impl<const QUEUE: usize> Motion<QUEUE> {
     /// A motion side that has just begun, with default settings.
@@ -109,6 +116,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
             arrived_at: 0,
             busy: 0,
             escaped: 0,
+            halt: 0,
         }
     }
 
@@ -152,6 +160,9 @@ impl<const QUEUE: usize> Motion<QUEUE> {
                 self.handle(kind);
             }
         }
+        if self.pending.is_none() && self.silence_left(now) == Some(0) {
+            self.demand_stop(Fault::Silent, self.reports.format());
+        }
         self.pending.take()
     }
 
@@ -159,6 +170,9 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// one was ever set; where the others are to stay is filled in too.
     #[expect(clippy::should_implement_trait, reason = "what it returns is borrowed")]
     pub fn next(&mut self) -> Option<(&Vector, Option<Number>)> {
+        if self.halt != 0 {
+            return None;
+        }
         self.queue.next().map(|(target, number)| (target, number.get()))
     }
 
@@ -176,12 +190,19 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// The machine has stopped and will not go on: drops all moves. The oldest of them that has a number gets an error
     /// notice with this code, a session is over (moves are refused until another begins), and where the machine is has
     /// to be [set](Self::set_position) before it is moved by deltas again.
+    ///
+    /// If a host wanted that, the position follows, as it was set last, and the velocity that is in force.
     pub fn stop(&mut self, code: u8) {
         if let Some(number) = self.queue.awaited().next() {
             self.notices.push(number, number.format(), code);
         }
         self.queue.drop_unfinished();
         self.order.stop();
+        if self.halt == STOPPING {
+            self.reports.one(self.reports.format());
+            self.position.mask |= MASK_VELOCITY;
+        }
+        self.halt = 0;
     }
 
     /// Sets where the machine is: for reports, and for moves by deltas as long as no move has told where an axis is.
@@ -202,24 +223,30 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
         let (ended, notice) = (self.queue.ended(), self.notices.first());
-        let (number, code, format) = match (ended, notice) {
-            (Some(number), _) => (number, 0, number.format()),
-            (None, Some(notice)) => (notice.number(), notice.code(), notice.format()),
+        let (number, code, format, check) = match (ended, notice) {
+            (Some((number, check)), _) => (number, 0, number.format(), Some(check)),
+            (None, Some(notice)) => (notice.number(), notice.code(), notice.format(), None),
+            (None, None) if self.reports.takes_status() => return self.output_status(out),
             (None, None) if self.reports.left(now) == Some(0) => return self.output_report(out, now),
             (None, None) => return 0,
         };
-        if number.is_some() {
-            out.number(number);
-        } else {
-            // Behind a packed number of the notice before, it would be about that command.
-            out.byte(b'\n');
-        }
-        if code == 0 {
-            if number.format() == Format::Ascii {
-                out.byte(b'\n');
+        let check = check.or_else(|| self.queue.reported().filter(|_| self.order.was_last(number)));
+        match check {
+            Some(check) if code == 0 && self.order.is_session() => {
+                out.word(b'&', confirmation(number.value(), check), number.format());
             }
-        } else {
-            out.code(b'?', code, format);
+            _ => {
+                if number.is_some() {
+                    out.number(number);
+                }
+                // Without a number, it would be about the command of a packed number before.
+                if !number.is_some() || code == 0 && number.format() == Format::Ascii {
+                    out.byte(b'\n');
+                }
+                if code != 0 {
+                    out.code(b'?', code, format);
+                }
+            }
         }
         let Ok(length) = out.length() else { return 0 };
         if ended.is_some() {
@@ -230,12 +257,22 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         length
     }
 
+    fn output_status(&mut self, mut out: Out<'_>) -> usize {
+        let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
+        out.word(b'%', status.bits(), self.reports.format());
+        let Ok(length) = out.length() else { return 0 };
+        self.reports.status_sent();
+        length
+    }
+
     fn output_report(&mut self, mut out: Out<'_>, now: u32) -> usize {
-        self.position.mask = self.settings.axes();
+        self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
+        self.position.velocity = self.queue.velocity();
         out.byte(b'=');
         out.positions(self.reports.format(), &self.position);
         let Ok(length) = out.length() else { return 0 };
         self.reports.sent(now);
+        self.position.mask = 0;
         count(&mut self.health.reports);
         length
     }
@@ -244,11 +281,22 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// without anything being received or done; `None` when there is nothing to wait for.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        if !self.pending.is_none() || self.queue.ended().is_some() || self.notices.first().is_some() {
+        if !self.pending.is_none()
+            || self.queue.ended().is_some()
+            || self.notices.first().is_some()
+            || self.reports.takes_status()
+        {
             return Some(0);
         }
         let gap = (self.busy != 0).then(|| left(now, self.arrived_at, self.settings.gap()));
-        [gap, self.reports.left(now)].into_iter().flatten().min()
+        [gap, self.reports.left(now), self.silence_left(now)].into_iter().flatten().min()
+    }
+
+    /// How long until the machine is to stop because its host is silent.
+    fn silence_left(&self, now: u32) -> Option<u32> {
+        let waits = self.halt != STOPPING && self.queue.unfinished() != 0;
+        let silence = self.settings.host_silence().filter(|_| waits)?;
+        Some(left(now, self.arrived_at, silence))
     }
 
     /// What was seen so far.

@@ -48,8 +48,15 @@ pub const fn pack7(value: i32) -> u8 {
 /// Two bytes of a value of 14 bits.
 #[inline(always)]
 pub const fn pack14(value: u16) -> [u8; 2] {
+    let [lower, upper] = halves(value);
+    [lower | HIGH, upper | HIGH]
+}
+
+/// The seven lower bits of 14, and the seven upper ones.
+#[inline(always)]
+pub const fn halves(value: u16) -> [u8; 2] {
     let value = value as u32;
-    [low(value) | HIGH, low(value >> 7) | HIGH]
+    [low(value), low(value >> 7)]
 }
 
 /// The four bytes of a position of 28 bits.

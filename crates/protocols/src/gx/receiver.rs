@@ -4,8 +4,8 @@
 //!
 //! - Space, CR and LF outside a command mean nothing. ESC forgets what has come, without a word.
 //! - A byte without the high bit where a packed one is due ends the command, as malformed; the byte is looked at again,
-//!   as it may be the first of the next. `!`, `*`, `#` and `~` (of notices: `#`, `=` and `?`) do the same in the middle
-//!   of anything: they stand nowhere else.
+//!   as it may be the first of the next. `!`, `*`, `#`, `~` and `%` (of notices: `#`, `=`, `?`, `&` and `%`) do the
+//!   same in the middle of anything: they stand nowhere else.
 //! - Malformed ASCII is reported at the byte that is wrong, and skipped up to the end of the line. Behind malformed
 //!   binary (or stray packed bytes), packed bytes are skipped.
 //! - A broken number is reported as malformed at the byte that breaks it, and the rest of the line skipped with it. `!`,
@@ -17,7 +17,7 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::message::{Fault, Format, Kind, Number, Numbered};
-use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, low, push, signed7, signed28, unsigned14};
+use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, halves, low, push, signed7, signed28, unsigned14};
 use super::vector::{MASK_AXES, MASK_VELOCITY, Vector};
 
 mod text;
@@ -45,12 +45,13 @@ const SIGN: u8 = 9;
 const DIGITS: u8 = 10;
 /// Behind `=`.
 const REPORT: u8 = 11;
-/// Behind `?`, and in digits.
+/// Behind `?`, `%` or `&`, behind the first of two packed bytes, in digits.
 const CODE: u8 = 12;
-const CODE_DIGITS: u8 = 13;
+const CODE_PACKED: u8 = 13;
+const CODE_DIGITS: u8 = 14;
 /// Behind a malformed command.
-const SKIP_PACKED: u8 = 14;
-const SKIP_LINE: u8 = 15;
+const SKIP_PACKED: u8 = 15;
+const SKIP_LINE: u8 = 16;
 
 /// Receives commands: the motion side's.
 pub type CommandReceiver = Receiver<false>;
@@ -70,7 +71,7 @@ pub struct Receiver<const NOTICES: bool> {
     start: u8,
     /// Flags of the binary values still to come. In ASCII: 1 behind a minus.
     left: u8,
-    /// Packed bytes of the value still to come. In ASCII: the number of the word.
+    /// Packed bytes of the value still to come. In ASCII: the number of the word. Of a code: the byte before it.
     place: u8,
 }
 
@@ -124,7 +125,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     /// reported as malformed; of notices, a number that could have become an error notice is a completion.
     pub fn idle(&mut self) -> Option<Kind> {
         let state = self.state;
-        let is_packed = matches!(state, NUMBER_PACKED | MASK | VALUE)
+        let is_packed = matches!(state, NUMBER_PACKED | MASK | VALUE | CODE_PACKED)
             || state == NUMBERED && self.number.format() == Format::Binary;
         self.state = IDLE;
         if !matches!(state, NUMBERED..=CODE_DIGITS) {
@@ -169,6 +170,20 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         low(self.value)
     }
 
+    /// The 14 bits of a [`Control`](Kind::Control) or a [`Status`](Kind::Status).
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "14 bits")]
+    pub const fn bits(&self) -> u16 {
+        self.value as u16 & NUMBER_MAX
+    }
+
+    /// Of what is [`Confirmed`](Kind::Confirmed), the lowest bits of the number, and the check.
+    #[must_use]
+    pub const fn confirmed(&self) -> (u8, u8) {
+        let [number, check] = halves(self.bits());
+        (number, check)
+    }
+
     /// The period of reports that is asked for, in milliseconds.
     #[must_use]
     pub const fn period(&self) -> u16 {
@@ -198,7 +213,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             MASK | VALUE => self.refuse(byte, Fault::Syntax, true),
             WORDS | LETTER | SIGN | DIGITS => self.text(byte),
             REPORT => self.report(byte),
-            CODE | CODE_DIGITS => self.code_byte(byte),
+            CODE | CODE_PACKED | CODE_DIGITS => self.code_byte(byte),
             SKIP_PACKED | SKIP_LINE if self.skips(byte, state == SKIP_PACKED) => Step::Taken,
             _ => {
                 self.state = IDLE;
@@ -212,7 +227,10 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         let (start, state) = match byte {
             b'#' => (0, NUMBER),
             b'=' if NOTICES => (0, REPORT),
-            b'?' if NOTICES => (0, CODE),
+            b'?' | b'&' | b'%' if NOTICES || byte == b'%' => {
+                self.place = byte;
+                (0, CODE)
+            }
             b'!' | b'*' if !NOTICES => (byte, MASK),
             b'~' if !NOTICES => {
                 self.left = MASK_VELOCITY;
@@ -274,9 +292,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         if mask == 0 {
             return self.refuse(byte, Fault::Empty, true);
         }
-        if NOTICES && mask & MASK_VELOCITY != 0 {
-            return self.refuse(byte, Fault::Syntax, true);
-        }
         self.vector.mask = mask;
         self.left = mask;
         self.place = if mask & MASK_VELOCITY != 0 { 2 } else { self.groups() };
@@ -335,19 +350,32 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         }
     }
 
-    /// A byte of an error notice's code.
+    /// A byte of a code, or of two of them in one.
     fn code_byte(&mut self, byte: u8) -> Step {
-        let is_digits = self.state == CODE_DIGITS;
+        let state = self.state;
+        let is_long = self.place != b'?';
+        let kind = match self.place {
+            b'?' => Kind::Refused,
+            b'&' => Kind::Confirmed,
+            _ if NOTICES => Kind::Status,
+            _ => Kind::Control,
+        };
+        let most = if is_long { NUMBER_MAX } else { CODE_MAX.into() };
         match byte {
-            HIGH.. if !is_digits => {
-                self.start = b'?';
-                self.value = byte.into();
-                self.end(Kind::Refused)
+            HIGH.. if state != CODE_DIGITS => {
+                self.value = push(self.value, byte);
+                if is_long && state == CODE {
+                    self.state = CODE_PACKED;
+                    return Step::Taken;
+                }
+                self.value = if is_long { unsigned14(self.value).into() } else { low(byte.into()).into() };
+                self.start = byte;
+                self.end(kind)
             }
-            b'0'..=b'9' => self.digit(byte, CODE_DIGITS),
-            b'\r' | b'\n' if is_digits && self.value <= CODE_MAX.into() => self.end(Kind::Refused),
-            b'\r' | b'\n' if is_digits => self.refuse(byte, Fault::Range, false),
-            _ => self.refuse(byte, Fault::Syntax, false),
+            b'0'..=b'9' if state != CODE_PACKED => self.digit(byte, CODE_DIGITS),
+            b'\r' | b'\n' if state == CODE_DIGITS && self.decimal(most).is_some() => self.end(kind),
+            b'\r' | b'\n' if state == CODE_DIGITS => self.refuse(byte, Fault::Range, false),
+            _ => self.refuse(byte, Fault::Syntax, state == CODE_PACKED),
         }
     }
 
@@ -386,5 +414,9 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
 
 /// Whether a byte stands nowhere but at the beginning of a command, or of a notice.
 const fn is_start<const NOTICES: bool>(byte: u8) -> bool {
-    if NOTICES { matches!(byte, b'#' | b'=' | b'?') } else { matches!(byte, b'!' | b'*' | b'#' | b'~') }
+    if NOTICES {
+        matches!(byte, b'#' | b'=' | b'?' | b'&' | b'%')
+    } else {
+        matches!(byte, b'!' | b'*' | b'#' | b'~' | b'%')
+    }
 }

@@ -2,7 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::packed::is_position;
+use super::packed::{POSITION_MIN, is_position};
 
 /// The axes: x, y, z, a, b, c.
 pub const AXES: usize = 6;
@@ -121,8 +121,77 @@ impl Vector {
     }
 }
 
+impl Vector {
+    /// A checksum of 7 bits of a move's number and of the values that `named` flags: a residue modulo 127, which differs
+    /// for values that are a power of two apart, as one flipped bit makes them.
+    #[must_use]
+    pub fn check(&self, named: u8, number: u16) -> u8 {
+        let mut sum = Residue(0);
+        sum.add(number.to_be_bytes());
+        sum.add(if named & MASK_VELOCITY == 0 { [0; 2] } else { self.velocity.to_be_bytes() });
+        for (axis, value) in self.axes.iter().enumerate() {
+            // From 0 on: the sign of two's complement would be worth 16.
+            let value = value.wrapping_sub(POSITION_MIN).cast_unsigned();
+            sum.add(if named & bit(axis) == 0 { [0; 4] } else { value.to_be_bytes() });
+        }
+        sum.get()
+    }
+}
+
+/// The residue modulo 127 of a number whose bytes come one after the other.
+struct Residue(u16);
+
+impl Residue {
+    fn add<const SIZE: usize>(&mut self, bytes: [u8; SIZE]) {
+        for byte in bytes {
+            // 256 is 2 modulo 127, and 128 is 1.
+            let sum = self.0.wrapping_mul(2).wrapping_add(byte.into());
+            self.0 = (sum & 0x7F).wrapping_add(sum >> 7);
+        }
+    }
+
+    /// 0 to 126.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 131 before")]
+    const fn get(&self) -> u8 {
+        let sum = self.0 as u8;
+        if sum >= 127 { sum.wrapping_sub(127) } else { sum }
+    }
+}
+
 /// The bit of an axis.
 #[inline(always)]
 pub(super) const fn bit(axis: usize) -> u8 {
     if axis < AXES { 1 << axis } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_of_two_changes_the_check() {
+        let mut vector = Vector { velocity: 1000, mask: 0x43, axes: [-3, 70_000_000, 5, 6, 7, 8] };
+        let check = vector.check(vector.mask, 77);
+        assert!(check < 127);
+        for (bit, axis) in (0..27).flat_map(|bit| [(bit, 0), (bit, 1)]) {
+            for sign in [1, -1] {
+                let before = vector.axes[axis];
+                vector.axes[axis] += sign << bit;
+                if is_position(vector.axes[axis]) {
+                    assert_ne!(vector.check(vector.mask, 77), check, "bit {bit} of axis {axis}");
+                }
+                vector.axes[axis] = before;
+            }
+        }
+        for bit in 0..14 {
+            vector.velocity ^= 1 << bit;
+            assert_ne!(vector.check(vector.mask, 77), check);
+            vector.velocity ^= 1 << bit;
+            assert_ne!(vector.check(vector.mask, 77 ^ 1 << bit), check);
+        }
+        vector.axes[2] = 9;
+        assert_eq!(vector.check(vector.mask, 77), check);
+        vector.axes.swap(0, 1);
+        assert_ne!(vector.check(vector.mask, 77), check);
+    }
 }

@@ -1,6 +1,6 @@
 //! Commands and notices in words, and as JSON.
 
-use deltarobot_protocols::gx::{AXES, Fault, Format, Item, MASK_AXES, Message, Vector};
+use deltarobot_protocols::gx::{AXES, Control, Fault, Format, Item, MASK_AXES, Message, Vector};
 use serde_json::{Value, json};
 
 use crate::decoder::{Kind, Piece};
@@ -23,6 +23,11 @@ pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
         Message::Refused(code) => ("refused", format!("  {}", reason(*code))),
         Message::Position(vector) => ("position", axes(vector, false)),
         Message::Malformed(code) => ("malformed", format!("  {}", reason(*code))),
+        Message::Confirmed { number, check } => ("confirmed", format!("  ..{number}  check {check}")),
+        Message::Control(bits) => (control(*bits), String::new()),
+        Message::Status(status) => {
+            ("status", format!("  {} free{}", status.free, if status.is_held { "  holds" } else { "" }))
+        }
     };
     let number = item.number.map_or(String::new(), |number| format!("#{} ", number.value));
     let remark = if item.format == Format::Ascii { " (ASCII)" } else { "" };
@@ -37,15 +42,28 @@ pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
     let more = match message {
         Message::Move(vector) => json!({ "target": axes_json(vector), "velocity": vector.velocity() }),
         Message::Step(vector) => json!({ "delta": axes_json(vector), "velocity": vector.velocity() }),
-        Message::Position(vector) => json!({ "position": axes_json(vector) }),
+        Message::Position(vector) => json!({ "position": axes_json(vector), "velocity": vector.velocity() }),
         Message::Reporting(period) => json!({ "period_ms": period }),
         Message::Refused(code) | Message::Malformed(code) => json!({ "code": code, "reason": reason(*code) }),
-        Message::Completed => json!({}),
+        Message::Confirmed { number, check } => json!({ "number_end": number, "check": check }),
+        Message::Status(status) => json!({ "free": status.free, "held": status.is_held }),
+        Message::Completed | Message::Control(_) => json!({}),
     };
     if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
         json.extend(more);
     }
     Piece::new(Some(from), Kind::Message(name.into()), format!("{number}{name}{said}{remark}"), json)
+}
+
+/// What is asked for past the queue.
+fn control(bits: u16) -> &'static str {
+    match Control::of(bits) {
+        Some(Control::Query) => "query",
+        Some(Control::Hold) => "hold",
+        Some(Control::Resume) => "resume",
+        Some(Control::Stop) => "stop",
+        None => "unknown control",
+    }
 }
 
 /// Axes and velocity, such as `  x=400  y=300  V=1000`.
@@ -71,7 +89,7 @@ const fn format_name(format: Format) -> &'static str {
 
 /// What an error notice's code means.
 pub(crate) fn reason(code: u8) -> String {
-    const REASONS: [(Fault, &str); 14] = [
+    const REASONS: [(Fault, &str); 15] = [
         (Fault::Unknown, "no command begins like that"),
         (Fault::Number, "no number"),
         (Fault::Interrupted, "interrupted"),
@@ -86,6 +104,7 @@ pub(crate) fn reason(code: u8) -> String {
         (Fault::Numberless, "without a number"),
         (Fault::Axis, "no such axis"),
         (Fault::Stopped, "stopped"),
+        (Fault::Silent, "the host was silent"),
     ];
     match REASONS.iter().find(|(fault, _)| *fault as u8 == code) {
         Some((_, words)) => format!("{words} (error {code})"),

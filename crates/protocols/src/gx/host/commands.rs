@@ -2,13 +2,17 @@
 
 use super::{DRAINING, Host, Is, OPEN, Send};
 use crate::gx::receiver::ESC;
-use crate::gx::{EncodeError, Format, Number, Vector, write_move, write_reporting, write_shortest};
+use crate::gx::{Control, EncodeError, Format, Number, Vector};
+use crate::gx::{write_control, write_move, write_reporting, write_shortest};
 use crate::session::count;
 
 impl<const WINDOW: usize> Host<WINDOW> {
     /// Writes the next command to `room`, if it fits, and returns its length; 0 when there is none. To be called after
     /// [`poll`](Self::poll); `now` is when it leaves.
     pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
+        if self.send.has(Send::Control) {
+            return self.put_control(room, now);
+        }
         // No other command may come between those that begin a session.
         let begins = self.is_shaking_hands() && self.send.has(Send::Reporting);
         if begins || self.send.has(Send::Handshake) {
@@ -21,6 +25,18 @@ impl<const WINDOW: usize> Host<WINDOW> {
             return self.retransmit(index, room, now);
         }
         if self.may_send() { self.put_next(room, now) } else { 0 }
+    }
+
+    fn put_control(&mut self, room: &mut [u8], now: u32) -> usize {
+        let format = self.settings.format();
+        // Behind the number of a move whose rest was lost, it would be answered by that number.
+        let control = Control::of(self.control).unwrap_or(Control::Query);
+        let length = put_behind(b'\n', room, |rest| write_control(format, None, control, rest)).unwrap_or(0);
+        if length != 0 {
+            self.send.clear(Send::Control);
+            self.control_sent.send(now);
+        }
+        length
     }
 
     fn put_handshake(&mut self, room: &mut [u8], now: u32) -> usize {
@@ -55,7 +71,11 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     fn retransmit(&mut self, index: u8, room: &mut [u8], now: u32) -> usize {
         let mut target = Vector::new();
-        self.window.command_again(index, &mut target);
+        if self.settings.echo == 0 {
+            self.window.command_again(index, &mut target);
+        } else {
+            self.window.command_for_all(index, &mut target);
+        }
         let format = self.settings.format();
         let number = Number { value: self.window.number(index), format };
         let length = write_move(format, Some(number), &target, room).unwrap_or(0);
@@ -74,19 +94,29 @@ impl<const WINDOW: usize> Host<WINDOW> {
     fn put_next(&mut self, room: &mut [u8], now: u32) -> usize {
         let index = self.window.sent();
         let mut target = Vector::new();
-        self.window.command(index, &mut target);
+        let is_due = self.since_absolute.saturating_add(1) >= self.settings.absolute_every();
+        // What only sends numbers back says nothing of what it makes of a command.
+        let corrects = self.is.has(Is::OffPlan) || self.settings.echo != 0;
+        if corrects {
+            self.window.command_for_all(index, &mut target);
+        } else {
+            self.window.command(index, &mut target);
+        }
         let format = self.settings.format();
         let number = Some(Number { value: self.window.number(index), format });
-        let from = self.window.before(index);
-        let length = match format {
-            Format::Binary => write_shortest(number, &target, from, room),
-            Format::Ascii => write_move(format, number, &target, room),
+        let is_absolute = corrects || is_due || format == Format::Ascii;
+        let length = if is_absolute {
+            write_move(format, number, &target, room)
+        } else {
+            write_shortest(number, &target, self.window.before(index), room)
         };
         let length = length.unwrap_or(0);
         if length != 0 {
             if self.window.oldest().is_none() {
                 self.progressed_at = now;
             }
+            self.since_absolute = if is_absolute { 0 } else { self.since_absolute.saturating_add(1) };
+            self.is.clear(Is::OffPlan);
             self.window.advance();
             self.cursor = self.window.sent();
             self.asked_at = now;
@@ -97,7 +127,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// Which of the sent moves is to be sent again now.
     pub(super) fn to_retransmit(&self) -> Option<u8> {
-        if !matches!(self.stage, OPEN | DRAINING) || self.is.has(Is::Held) {
+        if !matches!(self.stage, OPEN | DRAINING) || self.is.has(Is::Held) || self.asked() == Some(Control::Stop) {
             return None;
         }
         let oldest = self.window.oldest()?;
@@ -112,7 +142,8 @@ impl<const WINDOW: usize> Host<WINDOW> {
         let sent = self.window.sent();
         let unfinished = self.window.oldest().map_or(0, |oldest| usize::from(sent.wrapping_sub(oldest)));
         let held = self.is.has(Is::Held);
-        self.stage == OPEN && !held && unfinished < self.settings.window(WINDOW) && self.window.has_next()
+        let stops = self.asked() == Some(Control::Stop);
+        self.stage == OPEN && !held && !stops && unfinished < self.settings.window(WINDOW) && self.window.has_next()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a host session reports.
 
-use crate::gx::Vector;
+use crate::gx::{Control, Status, Vector};
 use crate::session::flags;
 
 /// How a move ended.
@@ -19,6 +19,9 @@ pub enum Outcome {
     TimedOut = 5,
     /// Nothing is known: the motion side was restarted, or does not take this for a session any more.
     Lost = 6,
+    /// It was carried out, but the check says not as requested: a command was damaged. The next move is sent in
+    /// positions of all axes, which corrects it.
+    Deviated = 7,
 }
 
 impl Outcome {
@@ -30,6 +33,7 @@ impl Outcome {
             3 => Self::Failed,
             4 => Self::Dropped,
             6 => Self::Lost,
+            7 => Self::Deviated,
             _ => Self::TimedOut,
         })
     }
@@ -47,9 +51,17 @@ pub enum Event<'a> {
     Begun,
     /// The oldest of the moves whose ends were not fetched has ended. The code is that of the error notice, or 0.
     Ended(Outcome, u8),
+    /// A report that does not fit what was requested: the next move corrects that.
+    Drift(&'a Vector),
+    /// The status came: by request, or since the machine holds or goes on.
+    Status(Status),
+    /// The machine was stopped there, and forgot all moves; the velocity is the one in force.
+    Stopped(&'a Vector),
+    /// What was asked for past the queue got no answer, or was refused.
+    Unanswered(Control),
 }
 
 flags! {
     /// The events that wait to be fetched before the ends of moves, in this order.
-    pub(super) enum Pending { Begun, Report, Error }
+    pub(super) enum Pending { Begun, Report, Drift, Stopped, Error, Status, Unanswered }
 }

@@ -27,7 +27,12 @@ impl<const WINDOW: usize> Host<WINDOW> {
         let number =
             if self.is.has(Is::Used) { self.handshake.wrapping_add(STRIDE) } else { self.settings.first_number() };
         self.is.set(Is::Used);
-        self.ask(FIRST, number);
+        if self.settings.echo == 0 {
+            self.ask(FIRST, number);
+        } else {
+            self.handshake = number & NUMBER_MAX;
+            self.open();
+        }
     }
 
     fn ask(&mut self, stage: u8, number: u16) {
@@ -78,6 +83,9 @@ impl<const WINDOW: usize> Host<WINDOW> {
         self.is.clear(Is::GoingBack);
         self.is.clear(Is::WentBack);
         self.is.clear(Is::Held);
+        self.is.clear(Is::OffPlan);
+        self.is.clear(Is::Suspect);
+        self.since_absolute = 0;
         self.send.clear(Send::Probe);
         self.pending.set(Pending::Begun);
         count(&mut self.health.sessions);

@@ -2,7 +2,7 @@
 
 use super::event::{Outcome, Pending};
 use super::{DRAINING, Host, IDLE, Is, OPEN, Send};
-use crate::gx::{CODE_FREE, Fault, Kind};
+use crate::gx::{CODE_FREE, Control, Fault, Kind, Status};
 use crate::session::count;
 
 const BUSY: u8 = Fault::Busy as u8;
@@ -10,6 +10,7 @@ const LIMIT: u8 = Fault::Limit as u8;
 const CLOSED: u8 = Fault::Closed as u8;
 const AXIS: u8 = Fault::Axis as u8;
 const STOPPED: u8 = Fault::Stopped as u8;
+const UNKNOWN: u8 = Fault::Unknown as u8;
 
 impl<const WINDOW: usize> Host<WINDOW> {
     /// Deals with what the receiver has found.
@@ -23,18 +24,47 @@ impl<const WINDOW: usize> Host<WINDOW> {
                 self.error_code = code;
                 self.error_number = self.receiver.numbered();
                 self.pending.set(Pending::Error);
-                if matches!(self.stage, OPEN | DRAINING) {
+                if code == UNKNOWN && number.is_none() && self.asked().is_some() {
+                    // A motion side that does not know the extension.
+                    self.give_up_asking();
+                } else if matches!(self.stage, OPEN | DRAINING) {
                     self.refused(number, code, now);
                 }
+            }
+            Kind::Confirmed => {
+                let (number, check) = self.receiver.confirmed();
+                count(&mut self.health.completions);
+                if !self.confirmed(number, check, now) {
+                    count(&mut self.health.strays);
+                }
+            }
+            Kind::Status => {
+                self.status = self.receiver.bits();
+                self.pending.set(Pending::Status);
+                self.status_came(Status::of(self.status).is_held, now);
             }
             Kind::Position => {
                 count(&mut self.health.reports);
                 self.position.copy(self.receiver.vector());
-                self.pending.set(Pending::Report);
                 if !self.is_shaking_hands() {
                     self.unanswered = 0;
                 }
                 self.reported(now);
+                if self.position.velocity().is_some() && self.asked() == Some(Control::Stop) {
+                    self.is.clear(Is::Asking);
+                    self.send.clear(Send::Control);
+                    self.is.clear(Is::Paused);
+                    self.pending.set(Pending::Stopped);
+                    if matches!(self.stage, OPEN | DRAINING) {
+                        self.end_session(Outcome::Lost, 0);
+                    }
+                } else if self.stage == OPEN && !self.is.has(Is::OffPlan) && !self.window.is_on_plan(&self.position) {
+                    count(&mut self.health.deviations);
+                    self.is.set(Is::OffPlan);
+                    self.pending.set(Pending::Drift);
+                } else {
+                    self.pending.set(Pending::Report);
+                }
             }
             // A receiver of notices finds nothing else.
             _ => count(&mut self.health.malformed),
@@ -57,6 +87,58 @@ impl<const WINDOW: usize> Host<WINDOW> {
         self.unanswered = 0;
         self.is.clear(Is::Held);
         true
+    }
+
+    /// A move whose number ends in these bits was carried out, and led where the check says; `false` if none has it.
+    fn confirmed(&mut self, number: u8, check: u8, now: u32) -> bool {
+        let (OPEN | DRAINING, Some(oldest)) = (self.stage, self.window.oldest()) else { return false };
+        let Some(index) = self.window.find_ending(number).filter(|index| *index >= oldest) else { return false };
+        let fits = self.window.check(index) == Some(check);
+        let was_suspect = self.is.has(Is::Suspect);
+        if !fits {
+            count(&mut self.health.deviations);
+            self.is.set(Is::OffPlan);
+            if index > oldest && !was_suspect {
+                // It may be the notice that was damaged. If not, the next one does not fit either.
+                self.is.set(Is::Suspect);
+                return true;
+            }
+        }
+        self.is.clear(Is::Suspect);
+        let before = if was_suspect { Outcome::Deviated } else { Outcome::Finished };
+        self.window.end(0, index, before, 0);
+        let outcome = if fits { Outcome::Finished } else { Outcome::Deviated };
+        self.window.end(index, index.wrapping_add(1), outcome, 0);
+        self.progressed_at = now;
+        self.unanswered = 0;
+        self.is.clear(Is::Held);
+        true
+    }
+
+    fn status_came(&mut self, is_held: bool, now: u32) {
+        self.unanswered = 0;
+        if !is_held && self.is.has(Is::Paused) {
+            self.progressed_at = now;
+            self.is.clear(Is::Paused);
+        } else if is_held && self.asked() == Some(Control::Hold) {
+            self.is.set(Is::Paused);
+        }
+        let is_answer = match self.asked() {
+            Some(Control::Hold) => is_held,
+            Some(Control::Resume) => !is_held,
+            Some(Control::Query) => true,
+            Some(Control::Stop) | None => false,
+        };
+        if is_answer {
+            self.is.clear(Is::Asking);
+            self.send.clear(Send::Control);
+        }
+    }
+
+    pub(super) fn give_up_asking(&mut self) {
+        self.is.clear(Is::Asking);
+        self.send.clear(Send::Control);
+        self.pending.set(Pending::Unanswered);
     }
 
     /// Which of the moves that were sent and have not ended has that number.

@@ -26,13 +26,31 @@ pub struct Settings {
     pub ascii: u8,
     /// The number that the first session begins with, 0 to 16383.
     pub first_number: u16,
+    /// Every so manieth move is sent in positions of all axes, so that nothing drifts: 1 for all of them; by default
+    /// every 16th.
+    pub absolute_every: u8,
+    /// Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
+    /// at a time is sent, in positions; again when its number has not come back after [`probe_ms`](Self::probe_ms),
+    /// which should be longer than a move lasts.
+    pub echo: u8,
 }
 
 impl Settings {
     /// All of them at their defaults.
     #[must_use]
     pub const fn new() -> Self {
-        Self { answer_ms: 0, probe_ms: 0, move_ms: 0, gap_ms: 0, attempts: 0, window: 0, ascii: 0, first_number: 0 }
+        Self {
+            answer_ms: 0,
+            probe_ms: 0,
+            move_ms: 0,
+            gap_ms: 0,
+            attempts: 0,
+            window: 0,
+            ascii: 0,
+            first_number: 0,
+            absolute_every: 0,
+            echo: 0,
+        }
     }
 
     pub(super) const fn answer(&self) -> u32 {
@@ -57,11 +75,17 @@ impl Settings {
         most == 0 || attempts < most
     }
 
+    /// What numbers a session's confirmations tell apart is the most, whatever was asked for.
     pub(super) fn window(&self, size: usize) -> usize {
+        let most = if self.echo == 0 { size.min(127) } else { 1 };
         match usize::from(self.window) {
-            0 => size,
-            window => window.min(size),
+            0 => most,
+            window => window.min(most),
         }
+    }
+
+    pub(super) const fn absolute_every(&self) -> u8 {
+        if self.absolute_every == 0 { 16 } else { self.absolute_every }
     }
 
     pub(super) const fn format(&self) -> Format {
@@ -94,6 +118,8 @@ pub struct Health {
     pub timeouts: u32,
     /// Sessions begun.
     pub sessions: u32,
+    /// Ends and reports that did not fit what was requested.
+    pub deviations: u32,
 }
 
 impl Health {
@@ -110,6 +136,7 @@ impl Health {
             malformed: 0,
             timeouts: 0,
             sessions: 0,
+            deviations: 0,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What is due by the clock: beginning, asking again, giving up.
 
 use super::{DRAINING, Host, IDLE, Is, OPEN, Outcome, Send};
+use crate::gx::Control;
 use crate::session::{count, left};
 
 impl<const WINDOW: usize> Host<WINDOW> {
@@ -11,7 +12,8 @@ impl<const WINDOW: usize> Host<WINDOW> {
         if !self.pending.is_empty() || self.window.has_ended() || self.has_output() {
             return Some(0);
         }
-        [self.gap_left(now), self.session_left(now), self.reports_left(now)].into_iter().flatten().min()
+        let left = [self.gap_left(now), self.session_left(now), self.reports_left(now), self.control_left(now)];
+        left.into_iter().flatten().min()
     }
 
     fn has_output(&self) -> bool {
@@ -33,6 +35,14 @@ impl<const WINDOW: usize> Host<WINDOW> {
                 }
             }
         }
+        if self.control_left(now) == Some(0) {
+            count(&mut self.health.timeouts);
+            if self.settings.allows(self.control_sent.sent()) {
+                self.send.set(Send::Control);
+            } else {
+                self.give_up_asking();
+            }
+        }
         if self.reports_left(now) == Some(0) {
             count(&mut self.health.timeouts);
             self.send.set(Send::Reporting);
@@ -43,6 +53,16 @@ impl<const WINDOW: usize> Host<WINDOW> {
         (self.is.has(Is::Busy)).then(|| left(now, self.arrived_at, self.settings.gap()))
     }
 
+    fn control_left(&self, now: u32) -> Option<u32> {
+        let waits = self.is.has(Is::Asking) && !self.send.has(Send::Control);
+        waits.then(|| self.control_sent.left(now, self.settings.answer()))
+    }
+
+    /// How long the move whose turn it is may still take; without end while the machine holds.
+    fn move_left(&self, now: u32) -> Option<u32> {
+        (!self.is.has(Is::Paused)).then(|| left(now, self.progressed_at, self.settings.move_timeout()))
+    }
+
     pub(super) fn answer_left(&self, now: u32, since: u32) -> u32 {
         left(now, since, self.settings.answer())
     }
@@ -50,16 +70,15 @@ impl<const WINDOW: usize> Host<WINDOW> {
     fn session_left(&self, now: u32) -> Option<u32> {
         match self.stage {
             OPEN | DRAINING if self.window.oldest().is_some() => {
-                let timeout = left(now, self.progressed_at, self.settings.move_timeout());
-                let due = [self.back_left(now), self.hold_left(now), self.probe_left(now)];
-                due.into_iter().flatten().min().map_or(Some(timeout), |due| Some(due.min(timeout)))
+                let due = [self.move_left(now), self.back_left(now), self.hold_left(now), self.probe_left(now)];
+                due.into_iter().flatten().min()
             }
             OPEN => None,
             DRAINING => Some(0),
             _ if self.is_shaking_hands() => {
                 (!self.send.has(Send::Handshake)).then(|| self.answer_left(now, self.asked_at))
             }
-            _ => self.window.waits().then_some(0),
+            _ => (self.window.waits() && self.asked() != Some(Control::Stop)).then_some(0),
         }
     }
 
@@ -90,7 +109,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         if self.hold_left(now) == Some(0) {
             self.is.clear(Is::Held);
         }
-        let is_over = if left(now, self.progressed_at, self.settings.move_timeout()) == 0 {
+        let is_over = if self.move_left(now) == Some(0) {
             true
         } else if self.back_left(now) == Some(0) {
             self.is.clear(Is::GoingBack);
@@ -100,7 +119,8 @@ impl<const WINDOW: usize> Host<WINDOW> {
             self.gives_up()
         } else if self.probe_left(now) == Some(0) {
             self.send.set(Send::Probe);
-            self.gives_up()
+            // What only sends numbers back gives no other sign of life.
+            self.gives_up() && self.settings.echo == 0
         } else {
             false
         };

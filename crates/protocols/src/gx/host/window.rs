@@ -3,7 +3,8 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::event::Outcome;
-use crate::gx::{MASK_AXES, MASK_VELOCITY, NUMBER_MAX, Vector};
+use crate::gx::packed::halves;
+use crate::gx::{AXES, MASK_AXES, MASK_VELOCITY, NUMBER_MAX, Vector};
 
 /// A requested move.
 #[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
@@ -71,6 +72,31 @@ impl<const SIZE: usize> Window<SIZE> {
         self.first.wrapping_add(index.into()) & NUMBER_MAX
     }
 
+    /// Which of the moves that were sent has a number that ends in these seven bits.
+    pub(super) fn find_ending(&self, number: u8) -> Option<u8> {
+        let [first, _] = halves(self.first);
+        let index = number.wrapping_sub(first) & 0x7F;
+        Some(index).filter(|index| *index < self.sent)
+    }
+
+    /// The check of a move that was sent.
+    pub(super) fn check(&self, index: u8) -> Option<u8> {
+        let target = &self.at(index)?.target;
+        Some(target.check(target.mask, self.number(index)))
+    }
+
+    /// Whether a reported position lies on the way: between where the moves that have not ended lead, axis by axis.
+    pub(super) fn is_on_plan(&self, position: &Vector) -> bool {
+        let start = self.oldest().unwrap_or(self.sent);
+        let before = self.before(start);
+        (0..AXES).all(|axis| {
+            let (Some(at), Some(from)) = (position.axis(axis), before.axis(axis)) else { return true };
+            let targets = (start..self.sent).filter_map(|index| self.at(index)?.target.axis(axis));
+            let (least, most) = targets.fold((from, from), |(least, most), to| (least.min(to), most.max(to)));
+            (least..=most).contains(&at)
+        })
+    }
+
     /// Which of the moves that were sent has that number; none if it is an old one's.
     pub(super) fn find(&self, number: u16) -> Option<u8> {
         let index = number.wrapping_sub(self.first) & NUMBER_MAX;
@@ -100,6 +126,22 @@ impl<const SIZE: usize> Window<SIZE> {
         let before = self.before(index);
         if out.mask & MASK_AXES != 0 && out.velocity() == before.velocity() {
             out.mask &= MASK_AXES;
+        }
+    }
+
+    /// What corrects a deviation: the positions of all axes that are known, and the velocity.
+    pub(super) fn command_for_all(&self, index: u8, out: &mut Vector) {
+        let Some(requested) = self.at(index) else { return };
+        let before = self.before(index);
+        out.copy(&requested.target);
+        out.mask = requested.named;
+        for (axis, value) in before.axes.iter().enumerate() {
+            if before.has(axis) && !out.has(axis) {
+                out.set(axis, *value);
+            }
+        }
+        if let (None, Some(velocity)) = (out.velocity(), before.velocity()) {
+            out.set_velocity(velocity);
         }
     }
 

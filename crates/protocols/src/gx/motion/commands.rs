@@ -1,8 +1,8 @@
 //! What a command brings about.
 
 use super::order::{Begun, Verdict};
-use super::{Motion, event};
-use crate::gx::{Fault, Format, Kind, MASK_AXES, Numbered};
+use super::{HELD, Motion, STOPPING, event};
+use crate::gx::{Control, Fault, Format, Kind, MASK_AXES, Numbered};
 use crate::session::count;
 
 impl<const QUEUE: usize> Motion<QUEUE> {
@@ -12,6 +12,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         match kind {
             Kind::Move | Kind::Step => self.handle_move(kind == Kind::Step, number, format),
             Kind::Reporting => self.handle_reporting(number, format),
+            Kind::Control => self.handle_control(number, format),
             // A receiver of commands finds nothing else.
             _ => {
                 count(&mut self.health.malformed);
@@ -34,7 +35,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         }
         let begun = self.order.ask(number.value(), self.settings.only_in_order != 0);
         if begun != Begun::None {
-            self.queue.silence();
+            self.queue.begin_session();
             self.notices.clear();
             self.pending.set(event::BEGUN, number, 0);
         }
@@ -42,6 +43,36 @@ impl<const QUEUE: usize> Motion<QUEUE> {
             self.notices.push(Numbered::new(first, number.format()), format, 0);
         }
         self.notices.push(number, format, 0);
+    }
+
+    fn handle_control(&mut self, number: Numbered, format: Format) {
+        self.order.forget();
+        match Control::of(self.receiver.bits()) {
+            Some(Control::Query) => {}
+            Some(Control::Hold) => {
+                self.halt = self.halt.max(HELD);
+                self.pending.set(event::HOLD, number, 0);
+            }
+            Some(Control::Resume) => {
+                if self.halt == HELD {
+                    self.halt = 0;
+                }
+                self.pending.set(event::RESUME, number, 0);
+            }
+            Some(Control::Stop) => self.demand_stop(Fault::Stopped, format),
+            None => return self.refuse(number, format, Fault::Unknown as u8),
+        }
+        self.reports.answer(format, self.halt != STOPPING);
+        if number.is_some() {
+            self.notices.push(number, format, 0);
+        }
+    }
+
+    /// The machine is to stop, and to say so.
+    pub(super) fn demand_stop(&mut self, fault: Fault, format: Format) {
+        self.halt = STOPPING;
+        self.pending.set(event::STOP, Numbered::NONE, fault as u8);
+        self.reports.answer(format, false);
     }
 
     fn handle_move(&mut self, is_step: bool, number: Numbered, format: Format) {

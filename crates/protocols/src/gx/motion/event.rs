@@ -17,6 +17,14 @@ pub enum Event {
     Begun(Option<Number>),
     /// The position is to be reported each so many milliseconds; 0: not any more. (The library does that.)
     Reporting(u16),
+    /// A host wants the machine to hold, that is, to stop for now: no further moves are handed out.
+    Hold,
+    /// A host wants the machine to go on.
+    Resume,
+    /// The machine is to stop, for good: by a host's wish, as [`Fault::Stopped`](crate::gx::Fault::Stopped), or since
+    /// it is silent, as [`Fault::Silent`](crate::gx::Fault::Silent). No moves are handed out; when it stands,
+    /// [`stop`](super::Motion::stop) has to be called.
+    Stop(u8),
 }
 
 pub(super) const QUEUED: u8 = 1;
@@ -24,6 +32,9 @@ pub(super) const REPEATED: u8 = 2;
 pub(super) const REFUSED: u8 = 3;
 pub(super) const BEGUN: u8 = 4;
 pub(super) const REPORTING: u8 = 5;
+pub(super) const HOLD: u8 = 6;
+pub(super) const RESUME: u8 = 7;
+pub(super) const STOP: u8 = 8;
 
 /// The event that was not fetched yet.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
@@ -61,6 +72,9 @@ impl Pending {
             REFUSED => Event::Refused(number, self.code),
             BEGUN => Event::Begun(number),
             REPORTING => Event::Reporting(self.period),
+            HOLD => Event::Hold,
+            RESUME => Event::Resume,
+            STOP => Event::Stop(self.code),
             _ => return None,
         })
     }

@@ -77,6 +77,16 @@ impl Order {
         if paired { Begun::Behind(before) } else { Begun::Alone }
     }
 
+    /// Whether a session was begun that nobody has closed.
+    pub(super) const fn is_session(&self) -> bool {
+        self.stage != FREE
+    }
+
+    /// Whether that is the number that was taken last.
+    pub(super) const fn was_last(&self, number: Numbered) -> bool {
+        number.is_some() && self.ahead(number.value()) == NUMBER_MAX
+    }
+
     /// Something else has come.
     pub(super) const fn forget(&mut self) {
         self.asked = 0;

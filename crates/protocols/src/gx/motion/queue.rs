@@ -11,7 +11,11 @@ struct Queued {
     target: Vector,
     /// The number whose end a host waits for.
     number: Numbered,
+    /// Of a session, what the host compares with its plan.
+    check: u8,
 }
+
+const REPORTED: u8 = 0x80;
 
 /// The queue of a motion side: first the moves that have ended, then those that are carried out, then those that wait.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
@@ -24,12 +28,16 @@ pub(super) struct Queue<const SIZE: usize> {
     /// How many of them the firmware has taken, and how many of these it has done.
     begun: u8,
     done: u8,
+    /// The axes, and the velocity, that were named in this session.
+    named: u8,
+    /// The check of the move whose end was reported last in this session, and [`REPORTED`]; 0: there was none.
+    reported: u8,
 }
 
 impl<const SIZE: usize> Queue<SIZE> {
     pub(super) const fn new() -> Self {
-        const NONE: Queued = Queued { target: Vector::new(), number: Numbered::NONE };
-        Self { moves: [NONE; SIZE], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0 }
+        const NONE: Queued = Queued { target: Vector::new(), number: Numbered::NONE, check: 0 };
+        Self { moves: [NONE; SIZE], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0, named: 0, reported: 0 }
     }
 
     pub(super) fn has_room(&self) -> bool {
@@ -53,11 +61,13 @@ impl<const SIZE: usize> Queue<SIZE> {
     /// When it leads nowhere: nothing changes then.
     pub(super) fn push(&mut self, vector: &Vector, is_step: bool, number: Numbered) -> Result<(), Lost> {
         self.last.follow(vector, is_step)?;
+        self.named |= vector.mask;
         let place = self.place(self.count);
         if let Some(queued) = self.moves.get_mut(place) {
             queued.target.copy(&self.last);
             queued.target.mask = self.last.mask & !MASK_AXES | vector.mask & MASK_AXES;
             queued.number = number;
+            queued.check = self.last.check(self.named, number.value());
             self.count = self.count.wrapping_add(1);
         }
         self.tidy();
@@ -88,19 +98,36 @@ impl<const SIZE: usize> Queue<SIZE> {
         ended
     }
 
-    /// The number of the oldest move that has ended, to be reported.
-    pub(super) fn ended(&self) -> Option<Numbered> {
-        self.at(0).filter(|_| self.done > 0 && self.count > 0).map(|queued| queued.number)
+    /// The number and the check of the oldest move that has ended, to be reported.
+    pub(super) fn ended(&self) -> Option<(Numbered, u8)> {
+        self.at(0).filter(|_| self.done > 0 && self.count > 0).map(|queued| (queued.number, queued.check))
     }
 
     /// That was reported.
     pub(super) fn pop_ended(&mut self) {
+        self.reported = self.ended().map_or(0, |(_, check)| check | REPORTED);
         self.drop_first();
         self.tidy();
     }
 
+    /// The check of the move whose end was reported last.
+    pub(super) const fn reported(&self) -> Option<u8> {
+        if self.reported & REPORTED == 0 { None } else { Some(self.reported & !REPORTED) }
+    }
+
+    /// How many more moves there is room for.
+    pub(super) fn free(&self) -> u8 {
+        u8::try_from(SIZE.saturating_sub(self.count.into())).unwrap_or(u8::MAX)
+    }
+
+    /// The velocity that is in force behind all moves.
+    pub(super) const fn velocity(&self) -> u16 {
+        self.last.velocity
+    }
+
     /// No ends are reported any more of the moves that are queued by now.
-    pub(super) fn silence(&mut self) {
+    pub(super) fn begin_session(&mut self) {
+        (self.named, self.reported) = (0, 0);
         for queued in &mut self.moves {
             queued.number = Numbered::NONE;
         }

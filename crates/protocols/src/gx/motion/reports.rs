@@ -1,4 +1,4 @@
-//! Position reports.
+//! Position reports, and the status.
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
@@ -15,11 +15,13 @@ pub(super) struct Reports {
     format: u8,
     /// One is due now.
     due: u8,
+    /// The status is due now.
+    status_due: u8,
 }
 
 impl Reports {
     pub(super) const fn new() -> Self {
-        Self { sent_at: 0, period: 0, format: 0, due: 0 }
+        Self { sent_at: 0, period: 0, format: 0, due: 0, status_due: 0 }
     }
 
     /// A host asks for reports.
@@ -35,6 +37,20 @@ impl Reports {
         if self.format == 0 {
             self.format = format as u8;
         }
+    }
+
+    /// What is asked for past the queue is answered in this format, by the status if it `wants_status`.
+    pub(super) const fn answer(&mut self, format: Format, wants_status: bool) {
+        self.format = format as u8;
+        self.status_due = wants_status as u8;
+    }
+
+    pub(super) const fn takes_status(&self) -> bool {
+        self.status_due != 0
+    }
+
+    pub(super) const fn status_sent(&mut self) {
+        self.status_due = 0;
     }
 
     pub(super) fn left(&self, now: u32) -> Option<u32> {

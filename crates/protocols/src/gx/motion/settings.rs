@@ -19,17 +19,28 @@ pub struct Settings {
     /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
     /// session. By default moves are taken with any number, or none, until a host begins a session.
     pub only_in_order: u8,
+    /// The machine is to stop when nothing has come for this many milliseconds while there are moves to carry out; a
+    /// host has to send something more often then, if only a status query. 0: it is not.
+    pub host_ms: u32,
 }
 
 impl Settings {
     /// All of them at their defaults.
     #[must_use]
     pub const fn new() -> Self {
-        Self { gap_ms: 0, axes: 0, only_in_order: 0 }
+        Self { gap_ms: 0, axes: 0, only_in_order: 0, host_ms: 0 }
     }
 
     pub(super) const fn gap(&self) -> u32 {
         span(self.gap_ms, 1000)
+    }
+
+    /// After how much silence the machine is to stop.
+    pub(super) const fn host_silence(&self) -> Option<u32> {
+        match span(self.host_ms, 0) {
+            0 => None,
+            silence => Some(silence),
+        }
     }
 
     /// The axes that there are, as a mask.
@@ -72,7 +83,7 @@ mod tests {
     fn zero_is_the_default() {
         let settings = Settings::new();
         assert_eq!((settings.gap(), settings.axes()), (1000, 0x3F));
-        let settings = Settings { gap_ms: 20, axes: 0x43, only_in_order: 0 };
+        let settings = Settings { gap_ms: 20, axes: 0x43, only_in_order: 0, host_ms: 0 };
         assert_eq!((settings.gap(), settings.axes()), (20, 3));
         assert_eq!(Settings { axes: 0x40, ..settings }.axes(), 0x3F);
     }

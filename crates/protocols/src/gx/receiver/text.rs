@@ -47,7 +47,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
 
     /// The letter of a word.
     fn word(&mut self, byte: u8) -> Step {
-        let Some(word) = word(byte).filter(|word| !NOTICES || *word < WORD_VELOCITY) else {
+        let Some(word) = word(byte).filter(|word| !NOTICES || *word <= WORD_VELOCITY) else {
             return self.refuse(byte, Fault::Syntax, false);
         };
         let flag = 1_u8.wrapping_shl(word.into());
