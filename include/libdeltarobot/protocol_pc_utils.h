@@ -27,8 +27,9 @@ inline const char *protocol_opcode_to_str(unsigned char opcode)
 }
 
 /**
- * The message as a line of text without a line's end, e.g. "ACK: (MOVE!)"; empty for a null pointer. Throws nothing but
- * what std::string does when there is no memory: not for interrupts.
+ * The message as a line of text without a line's end, e.g. "ACK: (MOVE!)"; empty for a null pointer. Status reports of
+ * 13 bytes are read with the floats first, as the original does; dp_msg_format finds out which layout they have. Throws
+ * nothing but what std::string does when there is no memory: not for interrupts.
  *
  * ```cpp
  * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
@@ -38,6 +39,11 @@ inline const char *protocol_opcode_to_str(unsigned char opcode)
 inline std::string protocol_msg_to_str(const protocol_msg *msg)
 {
     char text[DP_MSG_TEXT_MAX];
+    protocol_msg_status_report report;
+    protocol_msg padded;
+    if (dp_read_status_report(msg, DP_LAYOUT_FIRMWARE, &report) == DP_RC_SUCCESS &&
+        dp_build_status_report(&padded, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
+        msg = &padded;
     const int length = dp_msg_format(msg, text, DP_MSG_TEXT_MAX);
     return length < 0 ? std::string() : std::string(text, static_cast<std::string::size_type>(length));
 }

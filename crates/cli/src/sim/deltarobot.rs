@@ -65,7 +65,7 @@ impl Controller {
         Self {
             is_firmware,
             no_ack: options.no_ack,
-            session: Session::new(),
+            session: Session::default(),
             robot: Robot::new(options.speed.unwrap_or(50.0), !is_firmware),
             rubbish,
             heard: Duration::ZERO,

@@ -23,7 +23,7 @@
 //! use deltarobot_protocols::deltarobot::controller::{Controller, Decision};
 //! use deltarobot_protocols::deltarobot::{Opcode, Position, Report, receiver_room};
 //!
-//! let mut controller = Controller::<{ receiver_room(32) }>::new();
+//! let mut controller = Controller::<{ receiver_room(32) }>::default();
 //! assert_eq!(controller.receive(b"$H\0\xA6:"), 5);
 //! let request = controller.request(false).unwrap();
 //! let decision = controller.decide(&request, &Report::new(Position::UNKNOWN, 0));
@@ -39,7 +39,7 @@ use super::{Opcode, POSITION_SIZE, Position, Receiver, Report, State};
 
 /// A controller with a [`Receiver`] of `ROOM` bytes. All zero is one that does nothing and answers like shipped
 /// firmware.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Controller<const ROOM: usize> {
     /// The target of a move going on.
     target: Position,
@@ -81,12 +81,6 @@ pub enum Decision {
 }
 
 impl<const ROOM: usize> Controller<ROOM> {
-    /// A controller with nothing to do.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { target: Position([0; 3]), receiver: Receiver::new(), operation: 0, refuses_busy: 0 }
-    }
-
     /// Whether an operation is refused while another is going on. Otherwise, as at first, it takes that one's place.
     pub const fn refuse_busy(&mut self, refuses: bool) {
         self.refuses_busy = refuses as u8;
@@ -182,12 +176,6 @@ impl<const ROOM: usize> Controller<ROOM> {
     }
 }
 
-impl<const ROOM: usize> Default for Controller<ROOM> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Decision, Opcode, Position, Report};
@@ -207,7 +195,7 @@ mod tests {
 
     #[test]
     fn decides_like_shipped_firmware() {
-        let mut it = Controller::new();
+        let mut it = Controller::default();
         for (frame, position, state, expected) in [
             (&b"$H\0\xA6:"[..], Position::UNKNOWN, 0, Decision::Home),
             (b"$H\0\xA6:", HOME, 2, Decision::Home),
@@ -230,7 +218,7 @@ mod tests {
 
     #[test]
     fn what_is_being_done_is_not_started_again() {
-        let mut it = Controller::new();
+        let mut it = Controller::default();
         it.refuse_busy(true);
         it.started(&Decision::Move(TARGET));
         assert_eq!(decision(&mut it, MOVE, HOME, 2), Decision::Accept);
@@ -245,7 +233,7 @@ mod tests {
 
     #[test]
     fn an_operation_ends_once() {
-        let mut it = Controller::new();
+        let mut it = Controller::default();
         let report = |state| Report::new(HOME, state);
         for (decision, state, end) in [
             (Decision::Home, 0, Some(Some(Opcode::HOMING_REPL))),
@@ -273,7 +261,7 @@ mod tests {
 
     #[test]
     fn other_messages_are_passed_over() {
-        let mut it = Controller::new();
+        let mut it = Controller::default();
         it.receive(b"$A\x01H\xE8:$h\0\xC6:$S\0\xB1:$M");
         assert_eq!(it.request(false).unwrap().opcode, Opcode::STATUS);
         assert_eq!(it.request(false), None);

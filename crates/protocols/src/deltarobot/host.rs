@@ -51,7 +51,7 @@
 //! use deltarobot_protocols::deltarobot::host::{Event, Host, Outcome, REQUEST_MAX, Settings};
 //! use deltarobot_protocols::deltarobot::{Opcode, receiver_room};
 //!
-//! let mut host = Host::<{ receiver_room(32) }>::new(Settings::new());
+//! let mut host = Host::<{ receiver_room(32) }>::new(Settings::default());
 //! host.home().unwrap();
 //! let (mut room, mut payload) = ([0; REQUEST_MAX], [0; 32]);
 //! assert_eq!(host.poll(0, &mut payload), None);
@@ -71,7 +71,7 @@ mod timers;
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report, encode};
+use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report, SeenLayout, encode};
 use crate::session::{Flags, count, flags};
 use link::Link;
 pub use request::Outcome;
@@ -80,14 +80,14 @@ pub use settings::{Health, Settings};
 use timers::NEVER;
 
 /// A host session with a [`Receiver`](super::Receiver) of `ROOM` bytes. All zero is a new one with default settings.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Host<const ROOM: usize> {
     link: Link<ROOM>,
     session: Session,
 }
 
 /// All of a session but what it receives.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 struct Session {
     settings: Settings,
     health: Health,
@@ -105,6 +105,8 @@ struct Session {
     target: Position,
     /// The last status report.
     report: Report,
+    /// The layout of reports, as far as it was seen.
+    seen_layout: SeenLayout,
     /// Opcode of the operation.
     opcode: u8,
     /// Not 0: there was a status report.
@@ -150,8 +152,8 @@ pub const REQUEST_MAX: usize = POSITION_SIZE.wrapping_add(FRAME_OVERHEAD);
 impl<const ROOM: usize> Host<ROOM> {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: Settings) -> Self {
-        Self { link: Link::new(), session: Session::new(settings) }
+    pub fn new(settings: Settings) -> Self {
+        Self { session: Session { settings, ..Session::default() }, ..Self::default() }
     }
 
     /// The settings, to be changed while nothing is going on.
@@ -240,7 +242,8 @@ impl<const ROOM: usize> Host<ROOM> {
                 *place = P::of(*byte);
             }
             session.heard_at = now;
-            match Message::read(frame.opcode, frame.payload, Layout::of(session.settings.layout)) {
+            let layout = Layout::of(session.settings.layout);
+            match Message::read_after(frame.opcode, frame.payload, layout, &mut session.seen_layout) {
                 Some(message) => session.handle(&message, now),
                 None => count(&mut session.health.malformed),
             }
@@ -287,26 +290,6 @@ impl<const ROOM: usize> Host<ROOM> {
 }
 
 impl Session {
-    const fn new(settings: Settings) -> Self {
-        Self {
-            settings,
-            health: Health::new(),
-            operation: Request::new(),
-            cancel: Request::new(),
-            status: Request::new(),
-            started_at: 0,
-            accepted_at: 0,
-            heard_at: 0,
-            polled_at: 0,
-            target: Position([0; 3]),
-            report: Report::new(Position([0; 3]), 0),
-            opcode: 0,
-            has_report: 0,
-            facts: Flags::new(),
-            notices: Flags::new(),
-        }
-    }
-
     fn start(&mut self, opcode: Opcode) -> Result<(), Busy> {
         self.operation.queue(self.settings.duplicates != 0)?;
         self.opcode = opcode.0;

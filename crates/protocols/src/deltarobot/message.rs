@@ -1,6 +1,6 @@
 //! Messages: an opcode and its payload as one value (specification, section "Opcodes").
 
-use super::{Layout, Opcode, POSITION_SIZE, Place, Position, Report, encode, report};
+use super::{Layout, Opcode, POSITION_SIZE, Place, Position, Report, SeenLayout, encode, report};
 
 /// Bytes of the longest payload that is written: a status report as shipped firmware sends it.
 pub const PAYLOAD_MAX: usize = 16;
@@ -34,11 +34,17 @@ impl Message {
     /// What an opcode and its payload mean; `None` when the opcode is unknown or the length wrong for it.
     #[must_use]
     pub fn read(opcode: Opcode, payload: &[u8], layout: Layout) -> Option<Self> {
+        Self::read_after(opcode, payload, layout, &mut SeenLayout::default())
+    }
+
+    /// The same in a session: see [`Report::read_after`].
+    #[must_use]
+    pub fn read_after(opcode: Opcode, payload: &[u8], layout: Layout, seen: &mut SeenLayout) -> Option<Self> {
         Some(match (opcode, payload) {
             (Opcode::ACK, [answered]) => Self::Ack(Opcode(*answered)),
             (Opcode::NACK, [answered]) => Self::Nack(Opcode(*answered)),
             (Opcode::MOVE, _) if payload.len() == POSITION_SIZE => Self::Move(Position::read(payload)?),
-            (Opcode::STATUS_REPL, _) => Self::StatusReport(Report::read(payload, layout)?),
+            (Opcode::STATUS_REPL, _) => Self::StatusReport(Report::read_after(payload, layout, seen)?),
             (Opcode::HOMING, []) => Self::Homing,
             (Opcode::STATUS, []) => Self::Status,
             (Opcode::CANCEL, []) => Self::Cancel,

@@ -36,5 +36,5 @@ pub use message::{Message, PAYLOAD_MAX};
 pub use opcode::Opcode;
 pub use position::{POSITION_SIZE, Position};
 pub use receiver::{Full, Observer, Receiver, receiver_room};
-pub use report::{Layout, Report, State};
+pub use report::{Layout, Report, SeenLayout, State};
 pub use text::{TEXT_MAX, describe};

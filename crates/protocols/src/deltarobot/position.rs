@@ -9,7 +9,7 @@ pub const POSITION_SIZE: usize = 12;
 ///
 /// Bits and not floats: a position nobody knows travels as a signalling NaN, 0x7F800001, and a processor may turn that
 /// into another NaN when it only loads it. Nothing here needs floating-point arithmetic, which small controllers lack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Position(pub [u32; 3]);
 
 impl Position {

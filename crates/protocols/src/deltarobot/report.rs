@@ -11,9 +11,20 @@ pub(super) const REPORT_SIZE: usize = POSITION_SIZE.wrapping_add(1);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Layout {
-    /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes are [`Spec`](Self::Spec)'s unless only
-    /// the last byte, and not the first, can be STAT. A byte can be STAT when its reserved bits are alike: zero as this
-    /// library sends them, or one as shipped firmware does.
+    /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes may be either's: firmware like the
+    /// shipped one sends so many where structs are not padded, as on AVR. Both readings are rated by what is plausible
+    /// in them:
+    ///
+    /// - STAT, when its reserved bits (5 to 7) are alike: all zero as this library sends them, or all one as shipped
+    ///   firmware does;
+    /// - each displacement that is zero or of a magnitude from 1.1e-19 to 3.6e19. The topmost byte of such a float, but
+    ///   for zero's, can't be STAT: so the readings hardly ever get the same rating;
+    /// - twice as much, each that is unknown: the NaN of shipped firmware, 0x7F800001, or that of most processors,
+    ///   0x7FC00000, with either sign.
+    ///
+    /// The better reading is taken; of equal ones, [`Firmware`](Self::Firmware)'s, since nobody is known to send the
+    /// other. A session, which has a [`SeenLayout`], takes the layout of the last report that was clear (of 14 bytes or
+    /// more, or better by two), unless this one is clear too.
     ///
     /// Writing: as [`Firmware`](Self::Firmware), which no reader takes for anything else.
     #[default]
@@ -51,7 +62,7 @@ pub enum State {
 }
 
 /// A status report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Report {
     /// Where the platform is, if it knows.
     pub position: Position,
@@ -90,26 +101,71 @@ impl Report {
     /// Reads a payload; `None` when its length is wrong for the layout.
     #[must_use]
     pub fn read(payload: &[u8], layout: Layout) -> Option<Self> {
-        let &[first, .., last] = payload.get(..REPORT_SIZE)? else { return None };
+        Self::read_after(payload, layout, &mut SeenLayout::default())
+    }
+
+    /// The same in a session: where the payload may have either layout, what was seen before counts too.
+    #[must_use]
+    pub fn read_after(payload: &[u8], layout: Layout, seen: &mut SeenLayout) -> Option<Self> {
+        let is_short = payload.len() == REPORT_SIZE;
         let stat_first = match layout {
+            Layout::Auto if is_short => seen.is_stat_first(payload)?,
+            Layout::Auto => {
+                seen.0 = Layout::Firmware as u8;
+                false
+            }
+            Layout::Spec if !is_short => return None,
+            Layout::Spec => true,
             Layout::Firmware => false,
-            Layout::Auto => payload.len() == REPORT_SIZE && (can_be_stat(first) || !can_be_stat(last)),
-            Layout::Spec if payload.len() == REPORT_SIZE => true,
-            Layout::Spec => return None,
         };
-        let position = Position::read(payload.get(usize::from(stat_first)..)?)?;
-        Some(Self::new(position, if stat_first { first } else { last }))
+        let (position, stat) = parts(payload, stat_first)?;
+        Some(Self::new(position, stat))
     }
 }
 
-/// See [`Layout::Auto`].
-const fn can_be_stat(byte: u8) -> bool {
-    matches!(byte & !Report::STAT_BITS, 0 | 0xE0)
+/// What the clear ones of a session's reports have shown of their layout. All zero: nothing yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+pub struct SeenLayout(u8);
+
+impl SeenLayout {
+    /// Whether 13 bytes begin with STAT: see [`Layout::Auto`].
+    fn is_stat_first(&mut self, payload: &[u8]) -> Option<bool> {
+        let (spec, firmware) = (rating(payload, true)?, rating(payload, false)?);
+        if spec.abs_diff(firmware) > 1 {
+            self.0 = if spec > firmware { Layout::Spec } else { Layout::Firmware } as u8;
+        }
+        Some(match Layout::of(self.0) {
+            Layout::Auto => spec > firmware,
+            seen => seen == Layout::Spec,
+        })
+    }
+}
+
+/// Position and STAT in one of the layouts.
+fn parts(payload: &[u8], stat_first: bool) -> Option<(Position, u8)> {
+    let &[first, .., last] = payload.first_chunk::<REPORT_SIZE>()?;
+    let position = Position::read(payload.get(usize::from(stat_first)..)?)?;
+    Some((position, if stat_first { first } else { last }))
+}
+
+/// How plausible that layout is, 0 to 7: see [`Layout::Auto`].
+fn rating(payload: &[u8], stat_first: bool) -> Option<u8> {
+    let (position, stat) = parts(payload, stat_first)?;
+    let mut rating = u8::from(matches!(stat & !Report::STAT_BITS, 0 | 0xE0));
+    for bits in position.0 {
+        rating = rating.wrapping_add(match bits & 0x7FFF_FFFF {
+            0 | 0x2000_0000..0x6000_0000 => 1,
+            0x7FC0_0000 | 0x7F80_0001 => 2,
+            _ => 0,
+        });
+    }
+    Some(rating)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Layout, Position, Report, State};
+    use super::{Layout, Position, Report, SeenLayout, State};
+    use std::vec::Vec;
 
     const REPORT: Report = Report::new(Position([0x3F80_0000, 0x7F80_0001, 0xC060_0000]), 0b0001_0110);
     const FIRMWARE: [u8; 16] = [0, 0, 0x80, 0x3F, 1, 0, 0x80, 0x7F, 0, 0, 0x60, 0xC0, 0xF6, 0xDE, 0xAD, 0xBE];
@@ -130,30 +186,105 @@ mod tests {
     }
 
     #[test]
-    fn a_report_of_13_bytes_is_the_specifications_unless_that_is_impossible() {
-        assert_eq!(Report::read(&SPEC, Layout::Auto), Some(REPORT));
-        // Floats first; the first byte says which it can be.
-        let floats_first = |first: u8, last: u8| {
-            let mut bytes = [0; 13];
-            (bytes[0], bytes[12]) = (first, last);
-            Report::read(&bytes, Layout::Auto).map(|report| report.stat())
-        };
-        assert_eq!(floats_first(0x02, 0xE1), Some(0x02));
-        assert_eq!(floats_first(0xE2, 0xE1), Some(0x02));
-        assert_eq!(floats_first(0xCD, 0xE1), Some(0x01));
-        assert_eq!(floats_first(0x33, 0x06), Some(0x06));
-        assert_eq!(floats_first(0x33, 0x42), Some(0x13));
-    }
-
-    #[test]
     fn more_than_13_bytes_are_floats_first_and_fewer_are_none() {
         for length in 0..=32 {
             let mut bytes = [0xE1; 32];
             bytes[..16].copy_from_slice(&FIRMWARE);
-            let is_report = length > 13;
-            assert_eq!(Report::read(&bytes[..length], Layout::Auto) == Some(REPORT), is_report, "{length}");
-            assert_eq!(Report::read(&bytes[..length], Layout::Firmware) == Some(REPORT), length >= 13, "{length}");
+            for layout in [Layout::Auto, Layout::Firmware] {
+                assert_eq!(Report::read(&bytes[..length], layout) == Some(REPORT), length >= 13, "{length}");
+            }
             assert_eq!(Report::read(&bytes[..length], Layout::Spec).is_some(), length == 13, "{length}");
+        }
+    }
+
+    /// 13 bytes that say this.
+    fn short(layout: Layout, report: &Report, reserved: u8) -> Vec<u8> {
+        let (stat, floats) = ([report.stat() | reserved], report.position.to_wire());
+        if layout == Layout::Spec { [&stat[..], &floats].concat() } else { [&floats[..], &stat].concat() }
+    }
+
+    #[test]
+    fn a_session_remembers_the_layout_of_clear_reports() {
+        // As STAT first: a tiny A. As floats first: STAT and a tiny C. Nothing is clear.
+        let unclear = [0, 0, 0, 0, 0x01, 0, 0, 0, 0, 0, 0, 0, 0x01];
+        let read = |seen: &mut SeenLayout, payload: &[u8]| Report::read_after(payload, Layout::Auto, seen).unwrap();
+        let as_layout = |layout| Report::read(&unclear, layout).unwrap();
+        assert_ne!(as_layout(Layout::Spec), as_layout(Layout::Firmware));
+
+        let mut seen = SeenLayout::default();
+        let alone = read(&mut seen, &unclear);
+        assert_eq!((alone, seen), (Report::read(&unclear, Layout::Auto).unwrap(), SeenLayout::default()));
+        assert_eq!(read(&mut seen, &SPEC), REPORT);
+        assert_eq!(read(&mut seen, &unclear), as_layout(Layout::Spec));
+        assert_eq!(read(&mut seen, &FIRMWARE), REPORT);
+        assert_eq!(read(&mut seen, &unclear), as_layout(Layout::Firmware));
+        assert_eq!(read(&mut seen, &SPEC), REPORT);
+        assert_eq!(read(&mut seen, &FIRMWARE[..13]), REPORT);
+        assert_eq!(read(&mut seen, &unclear), as_layout(Layout::Firmware));
+    }
+
+    /// Positions that a kind of robot reports, and the least share of them that has to be read right: alone, and in a
+    /// session that reports nothing else.
+    type Kind = (&'static str, fn(&mut dyn FnMut() -> u32) -> [u32; 3], f64, f64);
+
+    /// A float of a magnitude below `limit`.
+    #[expect(clippy::cast_precision_loss, reason = "any float will do")]
+    fn below(random: u32, limit: f32) -> u32 {
+        (random.cast_signed() as f32 / 2_147_483_648.0 * limit).to_bits()
+    }
+
+    fn steps(random: u32) -> u32 {
+        (f32::from(u16::try_from(random >> 20).unwrap()) * 2.5 - 2000.0).to_bits()
+    }
+
+    const KINDS: &[Kind] = &[
+        ("up to 1000", |random| [(); 3].map(|()| below(random(), 1000.0)), 1.0, 1.0),
+        ("up to 1e-15", |random| [(); 3].map(|()| below(random(), 1e-15)), 0.999, 1.0),
+        ("up to 1e19", |random| [(); 3].map(|()| below(random(), 1e19)), 1.0, 1.0),
+        ("encoder steps", |random| [(); 3].map(|()| steps(random())), 1.0, 1.0),
+        ("some arms zero", |random| [(); 3].map(|()| if random() % 2 == 0 { 0 } else { steps(random()) }), 1.0, 1.0),
+        ("minus zero", |random| [(); 3].map(|()| if random() % 2 == 0 { 0 } else { 0x8000_0000 }), 1.0, 1.0),
+        ("zero", |_| [0; 3], 1.0, 1.0),
+        ("signalling NaN", |_| [0x7F80_0001; 3], 1.0, 1.0),
+        ("NaN", |_| [0x7FC0_0000; 3], 1.0, 1.0),
+        ("minus NaN", |_| [0xFFC0_0000; 3], 1.0, 1.0),
+        ("one signalling NaN", |random| [steps(random()), 0x7F80_0001, steps(random())], 1.0, 1.0),
+        ("one minus NaN", |random| [steps(random()), steps(random()), 0xFFC0_0000], 1.0, 1.0),
+        ("any bits", |random| [(); 3].map(|()| random()), 0.55, 0.8),
+    ];
+
+    #[test]
+    fn reports_of_13_bytes_are_read_as_they_were_meant() {
+        let mut state = 0x2545_F491_4F6C_DD1D_u64;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            u32::try_from(state >> 32).unwrap()
+        };
+        for (name, position, least_alone, least_in_session) in KINDS {
+            for layout in [Layout::Spec, Layout::Firmware] {
+                for reserved in [0, 0xE0] {
+                    let (mut alone, mut in_session, mut seen, count) = (0.0, 0.0, SeenLayout::default(), 32.0 * 500.0);
+                    for _ in 0..500 {
+                        // All states and end stops.
+                        for stat in 0..32 {
+                            let report = Report::new(Position(position(&mut random)), stat);
+                            let payload = short(layout, &report, reserved);
+                            alone += f64::from(u8::from(Report::read(&payload, Layout::Auto) == Some(report)));
+                            let read = Report::read_after(&payload, Layout::Auto, &mut seen);
+                            in_session += f64::from(u8::from(read == Some(report)));
+                        }
+                    }
+                    let (alone, in_session) = (alone / count, in_session / count);
+                    std::println!(
+                        "{name:20} {layout:?} {reserved:#04x}: {:8.4} % alone, {:8.4} % in a session",
+                        alone * 100.0,
+                        in_session * 100.0
+                    );
+                    assert!(alone >= *least_alone && in_session >= *least_in_session, "{name}");
+                }
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::deltarobot::{Frame, Receiver};
 use crate::session::{count, left};
 
 /// The receiving side of a host session.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Link<const ROOM: usize> {
     /// When the last bytes came.
     arrived_at: u32,
@@ -18,10 +18,6 @@ pub(super) struct Link<const ROOM: usize> {
 }
 
 impl<const ROOM: usize> Link<ROOM> {
-    pub(super) const fn new() -> Self {
-        Self { arrived_at: 0, receiver: Receiver::new(), has_more: 0 }
-    }
-
     /// Takes as many bytes as there is room for.
     pub(super) fn receive(&mut self, input: &[u8], now: u32) -> usize {
         let taken = self.receiver.take(input);
@@ -70,7 +66,7 @@ mod tests {
 
     #[test]
     fn garbage_and_checksum_failures_are_counted() {
-        let (mut link, mut health) = (Link::new(), Health::new());
+        let (mut link, mut health) = (Link::default(), Health::default());
         assert_eq!(feed(&mut link, &mut health, b"xy$S\0\xB1:z$S\0\xB2:$A\x01H\xE8:$A\x01H\xE9:$$h\0\xC6:"), b"SAh");
         assert_eq!((health.frames, health.garbage_bytes, health.checksum_failures), (3, 3 + 5 + 6 + 1, 2));
         assert_eq!(health.malformed, 0);
@@ -78,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_frame_in_pieces_is_no_garbage() {
-        let (mut link, mut health) = (Link::new(), Health::new());
+        let (mut link, mut health) = (Link::default(), Health::default());
         for byte in b"$A\x01H\xE8" {
             assert_eq!(feed(&mut link, &mut health, &[*byte]), b"");
         }
@@ -88,7 +84,7 @@ mod tests {
 
     #[test]
     fn what_is_incomplete_is_given_up_after_the_gap() {
-        let (mut link, mut health) = (Link::new(), Health::new());
+        let (mut link, mut health) = (Link::default(), Health::default());
         assert_eq!(feed(&mut link, &mut health, b"$M\x0C$S\0\xB1:"), b"");
         assert_eq!(link.gap_left(20, 50), 30);
         assert!(link.next(49, 50, &mut health).is_none());

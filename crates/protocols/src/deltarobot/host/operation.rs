@@ -228,7 +228,7 @@ mod tests {
     }
 
     fn moving() -> Session {
-        let mut host = Host::new(Settings::new());
+        let mut host = Host::new(Settings::default());
         assert_eq!(host.move_to(TARGET), Ok(()));
         assert_eq!(host.poll(0, &mut [0; 0]), None);
         let mut frame = [0; REQUEST_MAX];

@@ -7,7 +7,7 @@ use super::settings::Health;
 use crate::session::{Flags, Transmission, flags, left};
 
 /// One request at a time of each kind.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Request {
     transmission: Transmission,
     /// When its predecessor, of which answers may still come, was sent last.
@@ -64,10 +64,6 @@ pub enum Outcome {
 }
 
 impl Request {
-    pub(super) const fn new() -> Self {
-        Self { transmission: Transmission::new(), previous_at: 0, marks: Flags::new(), stage: 0, outcome: 0 }
-    }
-
     pub(super) const fn stage(&self) -> Stage {
         match self.stage {
             1 => Stage::Queued,
@@ -212,7 +208,7 @@ mod tests {
     #[test]
     fn answers_to_a_request_may_still_come_unless_it_was_sent_once_and_accepted() {
         let in_flight = |sent: u32, accepted: bool, duplicates: bool| {
-            let (mut request, mut health) = (Request::new(), Health::new());
+            let (mut request, mut health) = (Request::default(), Health::default());
             request.queue(false).unwrap();
             (0..sent).for_each(|time| request.send(time));
             if accepted {
@@ -235,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_stage_is_read_as_it_was_stored_and_none_as_free() {
-        let mut request = Request::new();
+        let mut request = Request::default();
         for stage in [Stage::Queued, Stage::Sent, Stage::NackAfterRetry, Stage::Accepted, Stage::Ended, Stage::Free] {
             request.set_stage(stage);
             assert_eq!(request.stage(), stage);

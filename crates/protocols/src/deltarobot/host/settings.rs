@@ -40,25 +40,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// All of them at their defaults.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            ack_ms: 0,
-            guard_ms: 0,
-            settle_ms: 0,
-            poll_ms: 0,
-            silence_ms: 0,
-            operation_ms: 0,
-            gap_ms: 0,
-            tolerance: 0.0,
-            attempts: 0,
-            layout: 0,
-            messages: 0,
-            duplicates: 0,
-        }
-    }
-
     pub(super) fn ack(&self) -> u32 {
         span(self.ack_ms, 250)
     }
@@ -122,21 +103,6 @@ pub struct Health {
     pub round_trips: RoundTrips,
 }
 
-impl Health {
-    pub(super) const fn new() -> Self {
-        Self {
-            frames: 0,
-            malformed: 0,
-            strays: 0,
-            garbage_bytes: 0,
-            checksum_failures: 0,
-            timeouts: 0,
-            retransmissions: 0,
-            round_trips: RoundTrips::new(),
-        }
-    }
-}
-
 impl Observer for Health {
     fn skipped(&mut self, bytes: usize) {
         self.garbage_bytes = self.garbage_bytes.wrapping_add(u32::try_from(bytes).unwrap_or_default());
@@ -153,7 +119,7 @@ mod tests {
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut settings = Settings::new();
+        let mut settings = Settings::default();
         assert_eq!((settings.ack(), settings.guard(), settings.settle()), (250, 500, 500));
         assert_eq!((settings.attempts(), settings.tolerance()), (4, 0.25_f32.to_bits()));
         (settings.ack_ms, settings.guard_ms, settings.attempts) = (u32::MAX, 900, 1000);

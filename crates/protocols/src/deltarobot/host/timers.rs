@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_request_is_retransmitted_until_it_has_timed_out() {
-        let settings = Settings { ack_ms: 100, attempts: 3, ..Settings::new() };
+        let settings = Settings { ack_ms: 100, attempts: 3, ..Settings::default() };
         let mut host = Host::<{ receiver_room(16) }>::new(settings);
         assert_eq!(host.next_deadline(7), None);
         assert_eq!(host.home(), Ok(()));
