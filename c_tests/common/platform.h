@@ -31,6 +31,7 @@ static struct {
     float at[3], target[3];
     unsigned long since, ends, step;
     int firmware, stuck, stopping;
+    int unpadded; /* firmware whose structs have no padding, as on AVR: reports of 13 bytes */
     int homings, arrivals, faults, nacks, sendings; /* since the operation was requested */
     float wanted[3];
     unsigned long heard_at;
@@ -145,7 +146,7 @@ static int send_up(void *buf, int bytes, void *usr)
         memcpy(payload, frame + 3, 16);
         payload[12] |= 0xE0;
         wire_random_bytes(&seed, payload + 13, 3);
-        wire_frame(frame, DP_OPCODE_STATUS_REPL, payload, 16);
+        bytes = wire_frame(frame, DP_OPCODE_STATUS_REPL, payload, plant.unpadded ? 13 : 16);
     }
     if (frame[1] == DP_OPCODE_NACK)
         ++plant.nacks;

@@ -225,6 +225,7 @@ static void choose(unsigned long run)
     memset(&user, 0, sizeof user);
     memset(&settings, 0, sizeof settings);
     plant.firmware = below(2) != 0;
+    plant.unpadded = below(2) != 0;
     controller_flags = plant.firmware ? 0 : DP_CONTROLLER_REPORT_END | DP_CONTROLLER_REPORT_ERROR;
     if (below(3) == 0)
         controller_flags |= DP_CONTROLLER_REFUSE_BUSY;
