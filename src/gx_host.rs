@@ -27,20 +27,19 @@
 //! }
 //! ```
 //!
-//! It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun. With one that only
-//! sends them back none begins: moves end as timed out, and are not sent. (docs/gx-protocol.md tells how to drive such a
-//! one.)
+//! It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun; one that only sends
+//! them back is driven if `echo` is set, else moves end as timed out, and are not sent.
 //!
-//! What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun anew, a
+//! What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a
 //! move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
 //! not.
 //!
 //! What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
-//! or reset. Moves are reported as lost then. Without that setting, one that has begun anew takes what comes from any
+//! or reset. Moves are reported as lost then. Without that setting, one that was restarted takes what comes from any
 //! host: it carries out again what is sent again, and moves by deltas from where it believes to be.
 //!
-//! Nothing holds where a command or notice is forged: there are no checksums, so a flipped bit can make another move of
-//! one, and so can lost bytes (in binary a mask or several in a row, in ASCII any digit).
+//! Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
+//! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next move corrects it.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -52,7 +51,7 @@ use deltarobot_export::export;
 use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
 
-/// Event: the oldest of the moves whose ends were not told has ended as outcome says. Comes exactly once for each move,
+/// Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each move,
 /// in the order of the requests.
 pub const GX_HOST_ENDED: c_int = 1;
 /// Event: a position report: position.

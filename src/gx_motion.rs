@@ -10,7 +10,8 @@
 //!
 //! taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
 //! while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
-//!     ;
+//!     if (event.kind == GX_MOTION_STOP && motors_stop() == 0)
+//!         gx_motion_stop(&motion, 0);
 //! motors_count(steps);
 //! gx_motion_set_position(&motion, steps);
 //! if (motors_have_arrived())
@@ -28,7 +29,7 @@
 //! What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
 //! gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
 //! has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
-//! move of one, which nothing distinguishes from a true one.
+//! move of one, which is carried out; the host finds that afterwards.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 

@@ -24,7 +24,7 @@ static int expected, failed, gone, loses; /* the next write */
 static struct {
     int ended[GX_HOST_DEVIATED + 1];
     int last_outcome, last_code;
-    int reports, errors, moving_reports;
+    int reports, errors, held, stops;
     int32_t at[GX_AXES];
 } seen;
 
@@ -87,7 +87,14 @@ static void print(const char *arrow, const struct gx_item *item)
         printf(item->period ? "report the position each %u ms" : "report no positions", (unsigned)item->period);
         break;
     case GX_COMPLETED:
+    case GX_CONFIRMED:
         printf("done");
+        break;
+    case GX_CONTROL:
+        printf("%s", item->code == GX_CONTROL_HOLD ? "hold" : item->code == GX_CONTROL_RESUME ? "resume" : "stop");
+        break;
+    case GX_STATUS:
+        printf("%s, room for %u moves", item->code ? "holding" : "ready", (unsigned)item->period);
         break;
     case GX_REFUSED:
         printf("refused: %s", reason(item->code));
@@ -153,6 +160,13 @@ static void handle(const struct gx_host_event *event)
         break;
     case GX_HOST_ERROR:
         ++seen.errors;
+        break;
+    case GX_HOST_STATUS:
+        seen.held = event->code;
+        break;
+    case GX_HOST_STOPPED:
+        ++seen.stops;
+        memcpy(seen.at, event->position.axes, sizeof seen.at);
         break;
     default:
         break;
@@ -321,6 +335,27 @@ static void draw(void)
     run(0, 300);
     expect(is_at(15000, 200, 0), "the machine where it was sent");
     expect(seen.last_outcome == GX_HOST_FINISHED, "the last move to be finished");
+
+    title("Hold, in the middle of a move, and go on.");
+    finished = seen.ended[GX_HOST_FINISHED];
+    go(5000, 0, 0, X, 16383);
+    run(0, 200);
+    gx_host_control(&session, GX_CONTROL_HOLD);
+    run(0, 700);
+    expect(seen.held && seen.ended[GX_HOST_FINISHED] == finished, "the machine to hold");
+    gx_host_control(&session, GX_CONTROL_RESUME);
+    finish();
+    expect(seen.ended[GX_HOST_FINISHED] == finished + 1, "the move to be finished");
+
+    title("Stop, and forget the rest.");
+    go(15000, 0, 0, X, 5000);
+    go(0, 0, 0, X, -1);
+    run(0, 200);
+    gx_host_control(&session, GX_CONTROL_STOP);
+    finish();
+    run(0, 100);
+    expect(seen.stops == 1 && seen.at[0] > 5000 && seen.at[0] < 15000, "the machine to stop on its way, and say where");
+    expect(seen.last_outcome == GX_HOST_DROPPED, "the last move to be dropped");
 }
 
 int main(int argc, char **argv)

@@ -23,9 +23,9 @@ struct machine {
     struct gx_motion link;
     int32_t at[GX_AXES];
     /* The move being carried out. */
-    int moving;
+    int moving, held;
     int32_t from[GX_AXES], to[GX_AXES];
-    unsigned long began, lasts; /* milliseconds */
+    unsigned long began, lasts, ran; /* milliseconds; when it was looked at last */
 };
 
 /* The square root, rounded down: Newton's way. */
@@ -62,9 +62,12 @@ static void run_machine(struct machine *machine)
     unsigned long elapsed;
     int i;
 
+    if (machine->held)
+        machine->began += now_ms() - machine->ran;
+    machine->ran = now_ms();
     if (!machine->moving && gx_motion_next(&machine->link, &move, NULL) == GX_RC_SUCCESS)
         start_move(machine, &move);
-    if (!machine->moving)
+    if (!machine->moving || machine->held)
         return;
     elapsed = now_ms() - machine->began;
     if (elapsed > machine->lasts)
@@ -84,6 +87,17 @@ static void run_machine(struct machine *machine)
         gx_motion_done(&machine->link);
     }
     gx_motion_set_position(&machine->link, machine->at);
+}
+
+/* What a host asks for past the queue. This machine stands at once. */
+static void handle(struct machine *machine, const struct gx_motion_event *event)
+{
+    if (event->kind == GX_MOTION_HOLD || event->kind == GX_MOTION_RESUME)
+        machine->held = event->kind == GX_MOTION_HOLD;
+    if (event->kind == GX_MOTION_STOP) {
+        machine->moving = machine->held = 0;
+        gx_motion_stop(&machine->link, 0);
+    }
 }
 
 static void start(struct machine *machine, int axes)
@@ -145,7 +159,7 @@ int main(int argc, char **argv)
         }
         taken += gx_motion_receive(&machine.link, in + taken, got - taken, now_ms());
         while (gx_motion_poll(&machine.link, now_ms(), &event) == GX_RC_SUCCESS)
-            ;
+            handle(&machine, &event);
         run_machine(&machine);
         send_all(out, gx_motion_output(&machine.link, out, sizeof out, now_ms()));
     } while ((waited = wait_for_bytes()) >= 0);
