@@ -147,8 +147,8 @@ mod sim {
             ("#3x1\n", "#3?16\n"),
             ("#2xyz\n", "#2?4\n"),
             // A session's ends carry a check of where they led: 14 bits, the lower half of them the number's.
-            ("#2x5\n", "&4482\n"),
-            ("#2x5\n", "&4482\n"),
+            ("#2x5\n", "&12802\n"),
+            ("#2x5\n", "&12802\n"),
             ("x1\n", "\n?18\n"),
             ("#3V9999x500\n", "#3?20\n"),
             ("#4x5\n", "#4?17\n"),
@@ -192,7 +192,7 @@ mod sim {
         talk.say("#7x1\n");
         assert_eq!(talk.hear_lines(1), ["#7?17"]);
         talk.say("#6R0\n#7x1\n");
-        assert_eq!(talk.hear_lines(2), ["#6", "&8455"]);
+        assert_eq!(talk.hear_lines(2), ["#6", "&13191"]);
     }
 
     #[test]

@@ -298,24 +298,21 @@ static int written;
         CHECK_BYTES(room, bytes, sizeof(bytes) - 1);                                                                   \
     } while (0)
 
-/* The residue modulo 127 of all bytes, the highest first; positions counted from the least one. */
+/* The residue modulo 127 of all values, 32 bits each, the highest byte first; positions counted from the least one. */
 static void check_by_the_definition(const struct gx_vector *target, int number)
 {
-    unsigned char bytes[28];
+    uint32_t values[2 + GX_AXES];
     unsigned sum = 0;
     int axis, i;
-    memset(bytes, 0, sizeof bytes);
-    bytes[0] = (unsigned char)(number >> 8);
-    bytes[1] = (unsigned char)number;
-    if (target->mask & GX_MASK_VELOCITY) {
-        bytes[2] = (unsigned char)(target->velocity >> 8);
-        bytes[3] = (unsigned char)target->velocity;
-    }
+    memset(values, 0, sizeof values);
+    values[0] = (uint32_t)number;
+    if (target->mask & GX_MASK_VELOCITY)
+        values[1] = target->velocity;
     for (axis = 0; axis < GX_AXES; ++axis)
-        for (i = 0; i < 4 && target->mask >> axis & 1; ++i)
-            bytes[4 + 4 * axis + i] = (unsigned char)((uint32_t)(target->axes[axis] + 134217728) >> (24 - 8 * i));
-    for (i = 0; i < (int)sizeof bytes; ++i)
-        sum = (sum * 256 + bytes[i]) % 127;
+        if (target->mask >> axis & 1)
+            values[2 + axis] = (uint32_t)(target->axes[axis] + 134217728);
+    for (i = 0; i < 4 * (2 + GX_AXES); ++i)
+        sum = (sum * 256 + (values[i / 4] >> (24 - 8 * (i % 4)) & 255)) % 127;
     CHECK_INT(gx_check(target, number), sum);
 }
 

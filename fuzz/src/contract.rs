@@ -2,8 +2,7 @@
 
 use std::ffi::c_int;
 
-use deltarobot::protocol::{DP_RC_GARBAGE, DP_RC_NO_FRAME};
-use deltarobot::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use crate::abi::{DP_BUFSIZE, DP_DATA_MAX_SIZE, GARBAGE, NO_FRAME};
 
 /// What stands at the beginning of some bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,6 +80,6 @@ impl Ring {
             }
             dropped += 1;
         }
-        Err(if dropped > 0 { DP_RC_GARBAGE } else { DP_RC_NO_FRAME })
+        Err(if dropped > 0 { GARBAGE } else { NO_FRAME })
     }
 }

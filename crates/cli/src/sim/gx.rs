@@ -247,9 +247,9 @@ mod tests {
         assert_eq!(answers(&mut axes, b"#1R0\n", 0), b"#1\n");
         assert_eq!(answers(&mut axes, b"#2V1000x30y40\n#3x0\n", 45), b"");
         assert_eq!(axes.machine.position(), [27, 36, 0, 0, 0, 0]);
-        assert_eq!(answers(&mut axes, b"", 10), b"&2306\n");
+        assert_eq!(answers(&mut axes, b"", 10), b"&10626\n");
         assert_eq!(axes.machine.position(), [25, 40, 0, 0, 0, 0]);
-        assert_eq!(answers(&mut axes, b"", 30), b"&4483\n");
+        assert_eq!(answers(&mut axes, b"", 30), b"&8835\n");
         assert_eq!(axes.machine.position(), [0, 40, 0, 0, 0, 0]);
     }
 

@@ -5,8 +5,8 @@
 #![allow(clippy::missing_errors_doc, reason = "EncodeError says it for all of them")]
 
 use super::message::{Control, Format, Number, Numbered, Status};
+use super::packed::low;
 use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, PERIOD_MAX, VELOCITY_MAX, is_delta, is_position};
-use super::packed::{pack7, pack14, pack28};
 use super::vector::{AXES, MASK_AXES, MASK_VELOCITY, Vector, bit};
 
 /// Room that anything fits in: the longest is an ASCII vector of all axes and a velocity, with a number.
@@ -45,7 +45,7 @@ pub fn write_step(number: Option<Number>, deltas: &Vector, room: &mut [u8]) -> R
     let mut out = Out::numbered(number, room)?;
     out.head(b'*', deltas.mask, deltas.velocity);
     for delta in (0..AXES).filter_map(|axis| deltas.axis(axis)) {
-        out.byte(pack7(delta));
+        out.groups(delta.cast_unsigned(), 1);
     }
     out.length()
 }
@@ -77,9 +77,9 @@ pub fn write_shortest(
     out.head(if is_short { b'*' } else { b'!' }, mask, target.velocity);
     for axis in (0..AXES).filter(|axis| mask & bit(*axis) != 0) {
         if is_short {
-            out.byte(pack7(delta(axis).unwrap_or_default()));
+            out.groups(delta(axis).unwrap_or_default().cast_unsigned(), 1);
         } else {
-            out.bytes(&pack28(target.axis(axis).unwrap_or_default()));
+            out.groups(target.axis(axis).unwrap_or_default().cast_unsigned(), 4);
         }
     }
     out.length()
@@ -101,9 +101,7 @@ pub fn write_reporting(
 /// The notice that the command with this number was carried out.
 pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeError> {
     let mut out = Out::numbered(Some(number), room)?;
-    if number.format == Format::Ascii {
-        out.byte(b'\n');
-    }
+    out.end_number(Some(number).into());
     out.length()
 }
 
@@ -115,10 +113,7 @@ pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeE
 pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mut [u8]) -> Result<usize, EncodeError> {
     in_range(code <= CODE_MAX)?;
     let mut out = Out::numbered(number, room)?;
-    if number.is_none() {
-        out.byte(b'\n');
-    }
-    out.code(b'?', code, format);
+    out.refusal(number.into(), code, format);
     out.length()
 }
 
@@ -198,6 +193,8 @@ impl<'a> Out<'a> {
         Ok(out)
     }
 
+    /// Not inlined: there are many calls.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn byte(&mut self, byte: u8) {
         if let Some(place) = self.room.get_mut(self.length) {
             *place = byte;
@@ -205,9 +202,12 @@ impl<'a> Out<'a> {
         self.length = self.length.wrapping_add(1);
     }
 
-    fn bytes(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.byte(*byte);
+    /// So many groups of seven bits of a value, the lowest first.
+    fn groups(&mut self, value: u32, count: u8) {
+        let mut rest = value;
+        for _ in 0..count {
+            self.byte(low(rest) | HIGH);
+            rest >>= 7;
         }
     }
 
@@ -215,7 +215,7 @@ impl<'a> Out<'a> {
         if number.is_some() {
             self.byte(b'#');
             match number.format() {
-                Format::Binary => self.bytes(&pack14(number.value())),
+                Format::Binary => self.groups(number.value().into(), 2),
                 Format::Ascii => self.decimal(number.value().into()),
             }
         }
@@ -225,7 +225,7 @@ impl<'a> Out<'a> {
         self.byte(start);
         self.byte(mask | HIGH);
         if mask & MASK_VELOCITY != 0 {
-            self.bytes(&pack14(velocity));
+            self.groups(velocity.into(), 2);
         }
     }
 
@@ -241,7 +241,7 @@ impl<'a> Out<'a> {
         for (axis, letter) in LETTERS.iter().enumerate() {
             let Some(value) = vector.axis(axis) else { continue };
             if is_binary {
-                self.bytes(&pack28(value));
+                self.groups(value.cast_unsigned(), 4);
                 continue;
             }
             self.byte(*letter);
@@ -255,9 +255,20 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// Something that is a code and no more.
-    pub(super) fn code(&mut self, start: u8, code: u8, format: Format) {
-        self.byte(start);
+    /// The end of a completion behind its number.
+    pub(super) fn end_number(&mut self, number: Numbered) {
+        if number.format() == Format::Ascii {
+            self.byte(b'\n');
+        }
+    }
+
+    /// The code of an error notice behind its number, if it has one. If not, it begins with a line end: behind a packed
+    /// number of the notice before, it would be about that command.
+    pub(super) fn refusal(&mut self, number: Numbered, code: u8, format: Format) {
+        if !number.is_some() {
+            self.byte(b'\n');
+        }
+        self.byte(b'?');
         if format == Format::Binary {
             self.byte(code | HIGH);
         } else {
@@ -269,7 +280,7 @@ impl<'a> Out<'a> {
     pub(super) fn word(&mut self, start: u8, value: u16, format: Format) {
         self.byte(start);
         if format == Format::Binary {
-            self.bytes(&pack14(value));
+            self.groups(value.into(), 2);
         } else {
             self.line(value);
         }
@@ -281,19 +292,23 @@ impl<'a> Out<'a> {
         self.byte(b'\n');
     }
 
-    /// At most nine digits, as positions have. No division and no table: small machines have neither to spare.
+    /// At most nine digits, as positions have. By bits of digits: small machines have neither a division nor a table to
+    /// spare, and the compiler makes a division of a loop that subtracts.
     fn decimal(&mut self, value: u32) {
-        const UNIT: u32 = 100_000_000;
         let (mut rest, mut begun) = (value, false);
         for left in (0..9_u8).rev() {
-            let mut digit = b'0';
-            while rest >= UNIT {
-                rest = rest.wrapping_sub(UNIT);
-                digit = digit.wrapping_add(1);
+            let (mut digit, mut unit) = (0, 800_000_000);
+            for _ in 0..4 {
+                digit <<= 1;
+                if rest >= unit {
+                    rest = rest.wrapping_sub(unit);
+                    digit |= 1;
+                }
+                unit >>= 1;
             }
-            begun |= digit != b'0' || left == 0;
+            begun |= digit != 0 || left == 0;
             if begun {
-                self.byte(digit);
+                self.byte(b'0' | digit);
             }
             rest = rest.wrapping_mul(10);
         }

@@ -60,7 +60,7 @@ use super::message::{Fault, Format, Number, Status};
 use super::packed::is_position;
 use super::receiver::{CommandReceiver, ESC, Step};
 use super::vector::{AXES, MASK_VELOCITY, Vector};
-use crate::session::{count, left};
+use crate::session::{count, left, span};
 pub use event::Event;
 use event::Pending;
 use notices::Notices;
@@ -92,6 +92,9 @@ pub struct Motion<const QUEUE: usize> {
     /// Why no moves are handed out: [`HELD`] or [`STOPPING`]; 0: they are.
     halt: u8,
 }
+
+/// The time that is left until something that does not come.
+const NEVER: u32 = u32::MAX;
 
 /// Until a host lets it go on.
 const HELD: u8 = 1;
@@ -154,13 +157,13 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     /// The next event; `None` when nothing has happened.
     pub fn poll(&mut self, now: u32) -> Option<Event> {
-        if self.busy != 0 && self.has_room() && left(now, self.arrived_at, self.settings.gap()) == 0 {
+        if self.gap_left(now) == 0 && self.has_room() {
             self.busy = 0;
             if let Some(kind) = self.receiver.idle() {
                 self.handle(kind);
             }
         }
-        if self.pending.is_none() && self.silence_left(now) == Some(0) {
+        if self.pending.is_none() && self.silence_left(now) == 0 {
             self.demand_stop(Fault::Silent, self.reports.format());
         }
         self.pending.take()
@@ -193,7 +196,8 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     ///
     /// If a host wanted that, the position follows, as it was set last, and the velocity that is in force.
     pub fn stop(&mut self, code: u8) {
-        if let Some(number) = self.queue.awaited().next() {
+        let number = self.queue.awaited();
+        if number.is_some() {
             self.notices.push(number, number.format(), code);
         }
         self.queue.drop_unfinished();
@@ -222,58 +226,59 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// [`poll`](Self::poll); `now` is when it leaves.
     pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
-        let (ended, notice) = (self.queue.ended(), self.notices.first());
-        let (number, code, format, check) = match (ended, notice) {
-            (Some((number, check)), _) => (number, 0, number.format(), Some(check)),
-            (None, Some(notice)) => (notice.number(), notice.code(), notice.format(), None),
-            (None, None) if self.reports.takes_status() => return self.output_status(out),
-            (None, None) if self.reports.left(now) == Some(0) => return self.output_report(out, now),
-            (None, None) => return 0,
+        let ended = self.queue.ended();
+        let (number, code, format, check) = if let Some((number, check)) = ended {
+            (number, 0, Format::Binary, Some(check))
+        } else if let Some(notice) = self.notices.first() {
+            let number = notice.number();
+            let check = self.queue.reported().filter(|_| self.order.was_last(number));
+            (number, notice.code(), notice.format(), check)
+        } else {
+            return self.output_state(out, now);
         };
-        let check = check.or_else(|| self.queue.reported().filter(|_| self.order.was_last(number)));
         match check {
             Some(check) if code == 0 && self.order.is_session() => {
                 out.word(b'&', confirmation(number.value(), check), number.format());
             }
             _ => {
-                if number.is_some() {
-                    out.number(number);
-                }
-                // Without a number, it would be about the command of a packed number before.
-                if !number.is_some() || code == 0 && number.format() == Format::Ascii {
-                    out.byte(b'\n');
-                }
-                if code != 0 {
-                    out.code(b'?', code, format);
+                out.number(number);
+                if code == 0 {
+                    out.end_number(number);
+                } else {
+                    out.refusal(number, code, format);
                 }
             }
         }
-        let Ok(length) = out.length() else { return 0 };
-        if ended.is_some() {
-            self.queue.pop_ended();
-        } else {
-            self.notices.pop();
+        let length = out.length().unwrap_or(0);
+        match (length, ended) {
+            (0, _) => {}
+            (_, Some(_)) => self.queue.pop_ended(),
+            (_, None) => self.notices.pop(),
         }
         length
     }
 
-    fn output_status(&mut self, mut out: Out<'_>) -> usize {
-        let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
-        out.word(b'%', status.bits(), self.reports.format());
-        let Ok(length) = out.length() else { return 0 };
-        self.reports.status_sent();
-        length
-    }
-
-    fn output_report(&mut self, mut out: Out<'_>, now: u32) -> usize {
-        self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
-        self.position.velocity = self.queue.velocity();
-        out.byte(b'=');
-        out.positions(self.reports.format(), &self.position);
-        let Ok(length) = out.length() else { return 0 };
-        self.reports.sent(now);
-        self.position.mask = 0;
-        count(&mut self.health.reports);
+    /// The status, or a position report.
+    fn output_state(&mut self, mut out: Out<'_>, now: u32) -> usize {
+        let format = self.reports.format();
+        let is_status = self.reports.takes_status();
+        if is_status {
+            let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
+            out.word(b'%', status.bits(), format);
+        } else if self.reports.left(now) == 0 {
+            self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
+            self.position.velocity = self.queue.velocity();
+            out.byte(b'=');
+            out.positions(format, &self.position);
+        }
+        let length = out.length().unwrap_or(0);
+        if length != 0 && is_status {
+            self.reports.status_sent();
+        } else if length != 0 {
+            self.reports.sent(now);
+            self.position.mask = 0;
+            count(&mut self.health.reports);
+        }
         length
     }
 
@@ -288,15 +293,26 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         {
             return Some(0);
         }
-        let gap = (self.busy != 0).then(|| left(now, self.arrived_at, self.settings.gap()));
-        [gap, self.reports.left(now), self.silence_left(now)].into_iter().flatten().min()
+        let due = self.gap_left(now).min(self.reports.left(now)).min(self.silence_left(now));
+        (due != NEVER).then_some(due)
+    }
+
+    fn gap_left(&self, now: u32) -> u32 {
+        if self.busy == 0 { NEVER } else { self.quiet_left(now, self.settings.gap_ms, 1000) }
     }
 
     /// How long until the machine is to stop because its host is silent.
-    fn silence_left(&self, now: u32) -> Option<u32> {
-        let waits = self.halt != STOPPING && self.queue.unfinished() != 0;
-        let silence = self.settings.host_silence().filter(|_| waits)?;
-        Some(left(now, self.arrived_at, silence))
+    fn silence_left(&self, now: u32) -> u32 {
+        if self.settings.host_ms == 0 || self.halt == STOPPING || self.queue.unfinished() == 0 {
+            return NEVER;
+        }
+        self.quiet_left(now, self.settings.host_ms, 0)
+    }
+
+    /// How long until nothing has come for as long as a setting says.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    fn quiet_left(&self, now: u32, setting: u32, default: u32) -> u32 {
+        left(now, self.arrived_at, span(setting, default))
     }
 
     /// What was seen so far.

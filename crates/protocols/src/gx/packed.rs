@@ -39,19 +39,6 @@ pub const fn low(value: u32) -> u8 {
     value as u8 & !HIGH
 }
 
-/// One byte of a value: its lowest seven bits.
-#[inline(always)]
-pub const fn pack7(value: i32) -> u8 {
-    low(value.cast_unsigned()) | HIGH
-}
-
-/// Two bytes of a value of 14 bits.
-#[inline(always)]
-pub const fn pack14(value: u16) -> [u8; 2] {
-    let [lower, upper] = halves(value);
-    [lower | HIGH, upper | HIGH]
-}
-
 /// The seven lower bits of 14, and the seven upper ones.
 #[inline(always)]
 pub const fn halves(value: u16) -> [u8; 2] {
@@ -59,45 +46,29 @@ pub const fn halves(value: u16) -> [u8; 2] {
     [low(value), low(value >> 7)]
 }
 
-/// The four bytes of a position of 28 bits.
+/// Seven bits after another as they arrive: the last ones that came are the highest.
 #[inline(always)]
-pub const fn pack28(value: i32) -> [u8; 4] {
-    let value = value.cast_unsigned();
-    [low(value) | HIGH, low(value >> 7) | HIGH, low(value >> 14) | HIGH, low(value >> 21) | HIGH]
+pub const fn push(groups: u32, byte: u8) -> u32 {
+    groups >> 7 | (byte as u32) << 25
 }
 
-/// The bytes of a value as they arrive: the last one that came is the highest.
+/// The signed value of the last group.
 #[inline(always)]
-pub const fn push(bytes: u32, byte: u8) -> u32 {
-    bytes >> 8 | (byte as u32) << 24
+pub const fn signed7(groups: u32) -> i32 {
+    groups.cast_signed() >> 25
 }
 
-/// The groups of four bytes, the first one lowest, next to each other: 28 bits.
+/// The signed value of the last four groups.
 #[inline(always)]
-const fn unpack28(bytes: u32) -> u32 {
-    let pairs = bytes & 0x007F_007F | bytes >> 1 & 0x3F80_3F80;
-    pairs & 0x3FFF | pairs >> 2 & 0x0FFF_C000
+pub const fn signed28(groups: u32) -> i32 {
+    groups.cast_signed() >> 4
 }
 
-/// The signed value of the last of the bytes.
+/// The value of the last two groups.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "the highest of four bytes")]
-pub const fn signed7(bytes: u32) -> i32 {
-    (((bytes >> 24) as u8) << 1).cast_signed() as i32 >> 1
-}
-
-/// The signed value of the four bytes.
-#[inline(always)]
-pub const fn signed28(bytes: u32) -> i32 {
-    (unpack28(bytes) << 4).cast_signed() >> 4
-}
-
-/// The value of 14 bits of the last two bytes.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "the higher half")]
-pub const fn unsigned14(bytes: u32) -> u16 {
-    let pair = (bytes >> 16) as u16;
-    pair & 0x7F | pair >> 1 & 0x3F80
+#[expect(clippy::cast_possible_truncation, reason = "14 bits")]
+pub const fn unsigned14(groups: u32) -> u16 {
+    (groups >> 18) as u16
 }
 
 #[cfg(test)]
@@ -119,7 +90,6 @@ mod tests {
             (POSITION_MIN, [0x80, 0x80, 0x80, 0xC0]),
             (2_097_152, [0x80, 0x80, 0x80, 0x81]),
         ] {
-            assert_eq!(pack28(value), bytes, "{value}");
             assert_eq!(signed28(pushed(&bytes)), value);
         }
     }
@@ -127,11 +97,12 @@ mod tests {
     #[test]
     fn every_delta_and_every_velocity() {
         for delta in DELTA_MIN..=DELTA_MAX {
-            assert_eq!(signed7(pushed(&[pack7(delta)])), delta);
+            assert_eq!(signed7(pushed(&[low(delta.cast_unsigned()) | HIGH])), delta);
         }
         for velocity in 0..=VELOCITY_MAX {
-            assert_eq!(unsigned14(pushed(&pack14(velocity))), velocity);
+            let [lower, upper] = halves(velocity);
+            assert_eq!(unsigned14(pushed(&[lower | HIGH, upper | HIGH])), velocity);
         }
-        assert_eq!(pack14(1000), [0xE8, 0x87]);
+        assert_eq!(halves(1000), [0x68, 0x07]);
     }
 }

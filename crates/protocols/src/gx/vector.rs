@@ -126,36 +126,26 @@ impl Vector {
     /// for values that are a power of two apart, as one flipped bit makes them.
     #[must_use]
     pub fn check(&self, named: u8, number: u16) -> u8 {
-        let mut sum = Residue(0);
-        sum.add(number.to_be_bytes());
-        sum.add(if named & MASK_VELOCITY == 0 { [0; 2] } else { self.velocity.to_be_bytes() });
+        let velocity = if named & MASK_VELOCITY == 0 { 0 } else { self.velocity };
+        let mut sum = add(add(0, number.into()), velocity.into());
         for (axis, value) in self.axes.iter().enumerate() {
             // From 0 on: the sign of two's complement would be worth 16.
-            let value = value.wrapping_sub(POSITION_MIN).cast_unsigned();
-            sum.add(if named & bit(axis) == 0 { [0; 4] } else { value.to_be_bytes() });
+            sum = add(sum, if named & bit(axis) == 0 { 0 } else { value.wrapping_sub(POSITION_MIN).cast_unsigned() });
         }
-        sum.get()
+        if sum >= 127 { sum.wrapping_sub(127) } else { sum }
     }
 }
 
-/// The residue modulo 127 of a number whose bytes come one after the other.
-struct Residue(u16);
-
-impl Residue {
-    fn add<const SIZE: usize>(&mut self, bytes: [u8; SIZE]) {
-        for byte in bytes {
-            // 256 is 2 modulo 127, and 128 is 1.
-            let sum = self.0.wrapping_mul(2).wrapping_add(byte.into());
-            self.0 = (sum & 0x7F).wrapping_add(sum >> 7);
-        }
+/// The residue modulo 127 (up to 130) of a number to which 32 bits are appended.
+#[expect(clippy::cast_possible_truncation, reason = "at most 130")]
+fn add(sum: u8, value: u32) -> u8 {
+    let mut sum = sum;
+    for byte in value.to_be_bytes() {
+        // 256 is 2 modulo 127, and 128 is 1.
+        let wide = u16::from(sum).wrapping_mul(2).wrapping_add(byte.into());
+        sum = (wide & 0x7F).wrapping_add(wide >> 7) as u8;
     }
-
-    /// 0 to 126.
-    #[expect(clippy::cast_possible_truncation, reason = "at most 131 before")]
-    const fn get(&self) -> u8 {
-        let sum = self.0 as u8;
-        if sum >= 127 { sum.wrapping_sub(127) } else { sum }
-    }
+    sum
 }
 
 /// The bit of an axis.

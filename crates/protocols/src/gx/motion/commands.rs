@@ -82,10 +82,10 @@ impl<const QUEUE: usize> Motion<QUEUE> {
                 Ok(()) => return,
                 Err(fault) => fault,
             },
-            Verdict::Repeat(behind) => {
+            Verdict::Repeat => {
                 count(&mut self.health.repeats);
                 self.pending.set(event::REPEATED, number, 0);
-                if usize::from(behind) < self.queue.awaited().count() {
+                if self.queue.awaits(number) {
                     self.reports.one(format);
                 } else {
                     self.notices.push(number, format, 0);

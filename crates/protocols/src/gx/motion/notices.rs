@@ -51,6 +51,7 @@ impl Notices {
     }
 
     /// Adds a notice, 0 being the code of a completion.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn push(&mut self, number: Numbered, format: Format, code: u8) {
         if let Some(place) = self.list.get_mut(usize::from(self.count)) {
             let ascii = if format == Format::Ascii { ASCII } else { 0 };

@@ -37,8 +37,8 @@ const OVER: u8 = 2;
 pub(super) enum Verdict {
     /// It is the next.
     Next,
-    /// It was taken before, as the last but this many.
-    Repeat(u16),
+    /// It was taken before.
+    Repeat,
     /// It can't be taken, for this reason.
     Refuse(Fault),
 }
@@ -120,7 +120,7 @@ impl Order {
             0 => Verdict::Next,
             // Of the two ways round, the shorter one.
             ahead if ahead <= NUMBER_MAX / 2 => Verdict::Refuse(Fault::Order),
-            ahead => Verdict::Repeat(NUMBER_MAX.wrapping_sub(ahead)),
+            _ => Verdict::Repeat,
         }
     }
 
@@ -166,13 +166,13 @@ mod tests {
         assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));
         assert_eq!(judge(&order, Some(16383), false), Verdict::Next);
         assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Order));
-        assert_eq!(judge(&order, Some(16382), false), Verdict::Repeat(0));
+        assert_eq!(judge(&order, Some(16382), false), Verdict::Repeat);
         order.taken();
         assert_eq!(judge(&order, Some(0), false), Verdict::Next);
-        assert_eq!(judge(&order, Some(16383), false), Verdict::Repeat(0));
-        assert_eq!(judge(&order, Some(16380), false), Verdict::Repeat(3));
+        assert_eq!(judge(&order, Some(16383), false), Verdict::Repeat);
+        assert_eq!(judge(&order, Some(16380), false), Verdict::Repeat);
         assert_eq!(judge(&order, Some(8191), false), Verdict::Refuse(Fault::Order));
-        assert_eq!(judge(&order, Some(8192), false), Verdict::Repeat(8191));
+        assert_eq!(judge(&order, Some(8192), false), Verdict::Repeat);
         order.stop();
         assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Closed));
         assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));

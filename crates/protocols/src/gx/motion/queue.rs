@@ -49,9 +49,24 @@ impl<const SIZE: usize> Queue<SIZE> {
         self.count.saturating_sub(self.done)
     }
 
-    /// The numbers of those of them whose end a host waits for, the oldest first.
-    pub(super) fn awaited(&self) -> impl Iterator<Item = Numbered> {
-        (self.done..self.count).filter_map(|index| Some(self.at(index)?.number).filter(|number| number.is_some()))
+    /// The number of the oldest of them whose end a host waits for.
+    pub(super) fn awaited(&self) -> Numbered {
+        self.find(|number| number.is_some())
+    }
+
+    /// Whether the move with this number is one of them.
+    pub(super) fn awaits(&self, number: Numbered) -> bool {
+        self.find(|other| other.is_some() && other.value() == number.value()).is_some()
+    }
+
+    fn find(&self, is_it: impl Fn(Numbered) -> bool) -> Numbered {
+        for index in self.done..self.count {
+            match self.at(index) {
+                Some(queued) if is_it(queued.number) => return queued.number,
+                _ => {}
+            }
+        }
+        Numbered::NONE
     }
 
     /// Puts a move behind the others. There has to be room.

@@ -2,6 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
+use super::NEVER;
 use crate::gx::Format;
 use crate::session::left;
 
@@ -53,11 +54,12 @@ impl Reports {
         self.status_due = 0;
     }
 
-    pub(super) fn left(&self, now: u32) -> Option<u32> {
+    /// How long until one is due, or [`NEVER`].
+    pub(super) fn left(&self, now: u32) -> u32 {
         match (self.due, self.period) {
-            (0, 0) => None,
-            (0, period) => Some(left(now, self.sent_at, period.into())),
-            _ => Some(0),
+            (0, 0) => NEVER,
+            (0, period) => left(now, self.sent_at, period.into()),
+            _ => 0,
         }
     }
 

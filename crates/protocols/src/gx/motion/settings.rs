@@ -3,7 +3,6 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use crate::gx::MASK_AXES;
-use crate::session::span;
 
 /// Settings of a motion side. 0 stands for the default everywhere.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
@@ -29,18 +28,6 @@ impl Settings {
     #[must_use]
     pub const fn new() -> Self {
         Self { gap_ms: 0, axes: 0, only_in_order: 0, host_ms: 0 }
-    }
-
-    pub(super) const fn gap(&self) -> u32 {
-        span(self.gap_ms, 1000)
-    }
-
-    /// After how much silence the machine is to stop.
-    pub(super) const fn host_silence(&self) -> Option<u32> {
-        match span(self.host_ms, 0) {
-            0 => None,
-            silence => Some(silence),
-        }
     }
 
     /// The axes that there are, as a mask.
@@ -82,9 +69,9 @@ mod tests {
     #[test]
     fn zero_is_the_default() {
         let settings = Settings::new();
-        assert_eq!((settings.gap(), settings.axes()), (1000, 0x3F));
+        assert_eq!(settings.axes(), 0x3F);
         let settings = Settings { gap_ms: 20, axes: 0x43, only_in_order: 0, host_ms: 0 };
-        assert_eq!((settings.gap(), settings.axes()), (20, 3));
+        assert_eq!(settings.axes(), 3);
         assert_eq!(Settings { axes: 0x40, ..settings }.axes(), 0x3F);
     }
 }
