@@ -68,7 +68,7 @@ SHIPPED += $(STAGE)/libdeltarobot.so
 endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx \
-    bench coverage figures fuzz clean help FORCE
+    bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -214,6 +214,11 @@ bench: lib ## measures the library beside a model of the original
 
 coverage: ## prints how much of the code the tests run; needs llvm's tools
 	$(Q)env $(ALL_SIZES:%=-u %) c_tests/coverage.sh target/coverage 95
+
+mutants: ## changes MUTANTS places of the code, one at a time, and tells which the tests miss; needs cargo-mutants
+	$(Q)env $(ALL_SIZES:%=-u %) MAKEFLAGS= MFLAGS= c_tests/mutants.sh $(MUTANTS) $(SEED) target/mutants
+MUTANTS ?= 20
+SEED    ?= $(shell date +%s)
 
 # Into a page that people read; what is on it is never typed.
 figures: lib firmware-all ## measures everything again and writes docs/figures.md

@@ -6,24 +6,20 @@
 use std::ffi::{c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
-use deltarobot_fuzz::gx_abi::*;
+use deltarobot::gx::{GX_ENCODED_MAX, Vector};
+use deltarobot::gx_host::{self, *};
+use deltarobot::gx_motion::{self, *};
+use deltarobot::sizes::{GX_QUEUE_MAX, GX_WINDOW_MAX};
 use deltarobot_fuzz::input::Input;
-use deltarobot_fuzz::link::{Line, carry, give, later, written};
-use deltarobot_fuzz::object::Object;
+use deltarobot_fuzz::link::{self, Line, carry, fetch, give, later, run, written};
+use deltarobot_fuzz::object::{Object, Plain};
 use libfuzzer_sys::fuzz_target;
 
 const POSITIONS: std::ops::RangeInclusive<i32> = -(1 << 27)..=(1 << 27) - 1;
 
-fuzz_target!(|input: &[u8]| {
-    let mut input = Input(input);
-    let mut world = World::new(&mut input);
-    while !input.is_empty() {
-        world.step(&mut input);
-    }
-    world.everything_ends();
-});
+fuzz_target!(|input: &[u8]| run::<Link>(input));
 
-struct World {
+struct Link {
     host: Object<Host>,
     motion: Object<Motion>,
     to_motion: Line,
@@ -44,7 +40,7 @@ struct World {
     honest: bool,
 }
 
-impl World {
+impl link::World for Link {
     fn new(input: &mut Input) -> Self {
         Self {
             host: Object::default(),
@@ -99,9 +95,40 @@ impl World {
             20 => self.nulls(),
             _ => self.exchange(),
         }
-        self.look();
     }
 
+    fn look(&self) {
+        unsafe {
+            link::in_range(gx_host_next_deadline(self.host.ptr(), self.now));
+            link::in_range(gx_motion_next_deadline(self.motion.ptr(), self.now));
+            let unfinished = gx_host_unfinished(self.host.ptr());
+            assert!(if self.sound[0] { unfinished == self.unfinished as c_int } else { unfinished >= 0 });
+            let queued = gx_motion_unfinished(self.motion.ptr());
+            assert!(queued >= 0);
+            assert!(!self.sound[1] || (self.fetched..=GX_QUEUE_MAX).contains(&(queued as usize)));
+            assert_eq!(gx_host_get_health(self.host.ptr(), &raw mut *Box::new(gx_host::Health::zero())), 0);
+            assert_eq!(gx_motion_get_health(self.motion.ptr(), &raw mut *Box::new(gx_motion::Health::zero())), 0);
+        }
+    }
+
+    fn everything_ends(&mut self) {
+        if !self.sound[0] || !self.gives_up {
+            return;
+        }
+        for _ in 0..64 + 16 * GX_WINDOW_MAX {
+            self.host_poll(usize::MAX);
+            self.host_output(GX_ENCODED_MAX as usize * (GX_WINDOW_MAX + 4));
+            if self.unfinished == 0 {
+                return;
+            }
+            let deadline = unsafe { gx_host_next_deadline(self.host.ptr(), self.now) };
+            self.now = self.now.wrapping_add(c_ulong::try_from(deadline).expect("there is a deadline"));
+        }
+        panic!("{} moves never end", self.unfinished);
+    }
+}
+
+impl Link {
     /// As much as both ends have to say to each other now, over a good line, with a machine that is quick.
     fn exchange(&mut self) {
         for _ in 0..3 {
@@ -110,7 +137,7 @@ impl World {
             let bytes: Vec<_> = self.to_motion.drain(..).collect();
             self.motion_receive(&bytes);
             self.motion_poll(usize::MAX);
-            while self.fetch() {
+            while self.next_move() {
                 self.finish();
             }
             self.motion_output(1024);
@@ -156,79 +183,72 @@ impl World {
     }
 
     fn host_receive(&mut self, bytes: &[u8]) {
-        let receive =
-            |world: &Self, bytes, count| unsafe { gx_host_receive(world.host.ptr(), bytes, count, world.now) };
-        let all = give(self, bytes, receive, |world| world.host_poll(usize::MAX));
+        let receive = |link: &Self, bytes, count| unsafe { gx_host_receive(link.host.ptr(), bytes, count, link.now) };
+        let all = give(self, bytes, receive, |link| link.host_poll(usize::MAX));
         assert!(all || !self.sound[0], "the host takes no bytes");
     }
 
     fn host_poll(&mut self, times: usize) {
-        let most = 16 + GX_WINDOW_MAX;
-        for _ in 0..times.min(most) {
-            let mut event = Box::new(HostEvent { kind: -1, ..HostEvent::default() });
-            let rc = unsafe { gx_host_poll(self.host.ptr(), self.now, &raw mut *event) };
-            assert_eq!(rc, if event.kind == 0 { 6 } else { 0 });
-            assert!((0..=4).contains(&event.kind) && (event.outcome != 0) == (event.kind == 1));
-            assert!((0..=6).contains(&event.outcome) && (0..256).contains(&event.code));
-            if self.sound[0] {
-                assert!((-1..1 << 14).contains(&event.number) && event.code < 128);
-            }
-            match event.kind {
-                0 => return,
-                1 if self.sound[0] => {
-                    self.unfinished = self.unfinished.checked_sub(1).expect("ended once");
-                    self.finished += usize::from(event.outcome == 1);
-                }
-                2 if self.sound[0] => in_range(&event.position),
-                _ => (),
-            }
-            if self.honest && self.sound == [true; 2] {
-                assert!(self.finished <= self.done, "finished, but not carried out");
-            }
+        let poll = |link: &Self, event: *mut HostEvent| unsafe { gx_host_poll(link.host.ptr(), link.now, event) };
+        let ended = fetch(self, times, 16 + GX_WINDOW_MAX, poll, Self::happened);
+        assert!(ended || !self.sound[0], "there is no end of events");
+    }
+
+    fn happened(&mut self, event: &HostEvent) {
+        assert!((0..=4).contains(&event.kind) && (event.outcome != 0) == (event.kind == 1));
+        assert!((0..=6).contains(&event.outcome) && (0..256).contains(&event.code));
+        if self.sound[0] {
+            assert!((-1..1 << 14).contains(&event.number) && event.code < 128);
         }
-        assert!(times < most || !self.sound[0], "there is no end of events");
+        match event.kind {
+            1 if self.sound[0] => {
+                self.unfinished = self.unfinished.checked_sub(1).expect("ended once");
+                self.finished += usize::from(event.outcome == 1);
+            }
+            2 if self.sound[0] => in_range(&event.position),
+            _ => (),
+        }
+        if self.honest && self.sound == [true; 2] {
+            assert!(self.finished <= self.done, "finished, but not carried out");
+        }
     }
 
     fn host_output(&mut self, cap: usize) {
-        let bytes = written(cap, |room, cap| unsafe { gx_host_output(self.host.ptr(), room, cap, self.now) });
+        let bytes = written(cap, false, |room, cap| unsafe { gx_host_output(self.host.ptr(), room, cap, self.now) });
         self.to_motion.extend(bytes);
     }
 
     fn motion_receive(&mut self, bytes: &[u8]) {
         let receive =
-            |world: &Self, bytes, count| unsafe { gx_motion_receive(world.motion.ptr(), bytes, count, world.now) };
-        let all = give(self, bytes, receive, |world| {
-            world.motion_poll(usize::MAX);
-            world.motion_output(1024);
+            |link: &Self, bytes, count| unsafe { gx_motion_receive(link.motion.ptr(), bytes, count, link.now) };
+        let all = give(self, bytes, receive, |link| {
+            link.motion_poll(usize::MAX);
+            link.motion_output(1024);
         });
         assert!(all || !self.sound[1], "the motion side takes no bytes");
     }
 
     fn motion_poll(&mut self, times: usize) {
-        for _ in 0..times.min(8) {
-            let mut event = Box::new(MotionEvent { kind: -1, ..MotionEvent::default() });
-            let rc = unsafe { gx_motion_poll(self.motion.ptr(), self.now, &raw mut *event) };
-            assert_eq!(rc, if event.kind == 0 { 6 } else { 0 });
-            if self.sound[1] {
+        let poll = |link: &Self, event: *mut MotionEvent| unsafe { gx_motion_poll(link.motion.ptr(), link.now, event) };
+        let ended = fetch(self, times, 8, poll, |link, event| {
+            if link.sound[1] {
                 assert!((0..=5).contains(&event.kind) && (event.code != 0) == (event.kind == 3), "{event:?}");
                 assert!((-1..1 << 14).contains(&event.number) && (0..128).contains(&event.code), "{event:?}");
                 assert!((0..1 << 14).contains(&event.period), "{event:?}");
             }
-            if event.kind == 0 {
-                return;
-            }
-        }
-        assert!(times < 8 || !self.sound[1], "there is no end of events");
+        });
+        assert!(ended || !self.sound[1], "there is no end of events");
     }
 
     fn motion_output(&mut self, cap: usize) {
-        let bytes = written(cap, |room, cap| unsafe { gx_motion_output(self.motion.ptr(), room, cap, self.now) });
+        let bytes =
+            written(cap, false, |room, cap| unsafe { gx_motion_output(self.motion.ptr(), room, cap, self.now) });
         self.to_host.extend(bytes);
     }
 
     fn machine(&mut self, input: &mut Input, variant: u8) {
         match variant {
-            0..3 => drop(self.fetch()),
+            0..3 => drop(self.next_move()),
             3..6 => drop(self.finish()),
             6 => {
                 let code = if input.byte() % 2 == 0 { 0 } else { input.int() };
@@ -247,8 +267,8 @@ impl World {
         }
     }
 
-    fn fetch(&mut self) -> bool {
-        let (mut target, mut number) = (Box::new(Vector { mask: 0xFF, ..Vector::default() }), -2);
+    fn next_move(&mut self) -> bool {
+        let (mut target, mut number) = (Box::new(Vector { mask: 0xFF, ..Vector::zero() }), -2);
         let rc = unsafe { gx_motion_next(self.motion.ptr(), &raw mut *target, &raw mut number) };
         assert!(rc == 0 || rc == 6);
         if rc == 0 {
@@ -287,7 +307,7 @@ impl World {
     fn host_init(&mut self, input: &mut Input, variant: u8) {
         let mut time = |shift: u8| c_ulong::from_le_bytes(input.bytes()) >> (shift * 8);
         let [answer_ms, probe_ms, move_ms, gap_ms] = [variant, 6, variant, 7].map(&mut time);
-        let settings = HostSettings {
+        let settings = gx_host::Settings {
             answer_ms,
             probe_ms,
             move_ms,
@@ -307,7 +327,7 @@ impl World {
     }
 
     fn motion_init(&mut self, input: &mut Input, variant: u8) {
-        let settings = MotionSettings {
+        let settings = gx_motion::Settings {
             gap_ms: c_ulong::from(input.byte()),
             axes: input.int(),
             only_in_order: c_int::from(input.byte() % 2),
@@ -363,40 +383,9 @@ impl World {
             assert_eq!(gx_motion_next(motion, null_mut(), null_mut()), 1);
             assert_eq!(gx_motion_set_position(motion, null()), 1);
             assert_eq!(gx_motion_next_deadline(null(), now), -1);
+            assert_eq!(gx_host_get_health(host, null_mut()), 1);
+            assert_eq!(gx_motion_get_health(motion, null_mut()), 1);
         }
-    }
-
-    /// What can be asked at any time.
-    fn look(&self) {
-        unsafe {
-            let host_left = gx_host_next_deadline(self.host.ptr(), self.now);
-            let motion_left = gx_motion_next_deadline(self.motion.ptr(), self.now);
-            assert!((-1..1 << 32).contains(&host_left) && (-1..1 << 32).contains(&motion_left));
-            let unfinished = gx_host_unfinished(self.host.ptr());
-            assert!(if self.sound[0] { unfinished == self.unfinished as c_int } else { unfinished >= 0 });
-            let queued = gx_motion_unfinished(self.motion.ptr());
-            assert!(queued >= 0);
-            assert!(!self.sound[1] || (self.fetched..=GX_QUEUE_MAX).contains(&(queued as usize)));
-            assert!(!gx_host_get_health(self.host.ptr()).is_null());
-            assert!(!gx_motion_get_health(self.motion.ptr()).is_null());
-        }
-    }
-
-    /// With nobody at the other end, all moves end by their deadlines.
-    fn everything_ends(&mut self) {
-        if !self.sound[0] || !self.gives_up {
-            return;
-        }
-        for _ in 0..64 + 16 * GX_WINDOW_MAX {
-            self.host_poll(usize::MAX);
-            self.host_output(ENCODED_MAX * (GX_WINDOW_MAX + 4));
-            if self.unfinished == 0 {
-                return;
-            }
-            let deadline = unsafe { gx_host_next_deadline(self.host.ptr(), self.now) };
-            self.now = self.now.wrapping_add(c_ulong::try_from(deadline).expect("there is a deadline"));
-        }
-        panic!("{} moves never end", self.unfinished);
     }
 }
 

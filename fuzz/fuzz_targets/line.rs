@@ -4,9 +4,15 @@
 use std::ffi::{c_char, c_int, c_long, c_uint};
 use std::ptr::null;
 
+use deltarobot::line_protocol::encoder::*;
+use deltarobot::line_protocol::message::*;
+use deltarobot::line_protocol::receiver::*;
+use deltarobot::line_protocol::value::*;
+use deltarobot::line_protocol::*;
+use deltarobot::sizes::OLP_LINE_MAX;
 use deltarobot_fuzz::input::Input;
-use deltarobot_fuzz::line_abi::*;
 use deltarobot_fuzz::line_contract::{Parsed, decoded, fletcher16, lines, number, parse};
+use deltarobot_fuzz::object::{Object, Plain};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|input: &[u8]| {
@@ -21,7 +27,7 @@ fuzz_target!(|input: &[u8]| {
 
 /// A stream in pieces, each an allocation of its own.
 fn receive(input: &mut Input) {
-    let mut receiver = Box::new(Receiver::default());
+    let receiver = Object::<Receiver>::default();
     let mut pieces = Vec::new();
     while !input.is_empty() {
         let length = usize::from(input.byte());
@@ -31,9 +37,9 @@ fn receive(input: &mut Input) {
     for piece in &pieces {
         let mut rest = &piece[..];
         while !rest.is_empty() {
-            let mut line = Line { kind: -1, text: null(), length: -1 };
+            let mut line = LineText { kind: -1, text: null(), length: -1 };
             let taken =
-                unsafe { olp_receive(&raw mut *receiver, rest.as_ptr().cast(), rest.len() as c_int, &raw mut line) };
+                unsafe { olp_receive(receiver.ptr(), rest.as_ptr().cast(), rest.len() as c_int, &raw mut line) };
             assert!(0 < taken && taken as usize <= rest.len());
             match line.kind {
                 0 => assert_eq!(taken as usize, rest.len()),
@@ -55,7 +61,7 @@ fn receive(input: &mut Input) {
 /// A line and everything that it says.
 fn read(line: &[u8]) {
     let line = Box::<[u8]>::from(line);
-    let mut message = Message::default();
+    let mut message = LineMessage::zero();
     let code = unsafe { olp_parse(line.as_ptr().cast(), line.len() as c_int, &raw mut message) };
     let expected = match parse(&line) {
         Ok(expected) => expected,
@@ -69,7 +75,7 @@ fn read(line: &[u8]) {
     assert_eq!(message.count as usize, expected.params.len());
     assert_eq!((message.checksum, message.sum), (expected.checksum, expected.sum));
     for (index, (name, value)) in expected.params.iter().enumerate() {
-        let mut param = Param::default();
+        let mut param = LineParam::zero();
         assert_eq!(unsafe { olp_param_at(&raw const message, index as c_int, &raw mut param) }, 0);
         assert_eq!(unsafe { bytes(param.name, param.name_length) }, *name);
         assert_eq!(unsafe { bytes(param.value, param.value_length) }, *value);
@@ -77,18 +83,18 @@ fn read(line: &[u8]) {
         if !name.contains(&0) {
             let name_c = c_string(name);
             let occurrence = expected.params[..index].iter().filter(|(other, _)| other == name).count();
-            let mut found = Param::default();
+            let mut found = LineParam::zero();
             let code =
                 unsafe { olp_find(&raw const message, name_c.as_ptr().cast(), occurrence as c_int, &raw mut found) };
             assert_eq!((code, found.value, found.name), (0, param.value, param.name));
         }
     }
-    let mut param = Param::default();
-    assert_eq!(unsafe { olp_param_at(&raw const message, message.count, &raw mut param) }, NOT_FOUND);
+    let mut param = LineParam::zero();
+    assert_eq!(unsafe { olp_param_at(&raw const message, message.count, &raw mut param) }, OLP_RC_NOT_FOUND);
     build_again(&expected);
 }
 
-fn read_value(param: &Param, raw: &[u8]) {
+fn read_value(param: &LineParam, raw: &[u8]) {
     let text = decoded(raw);
     for cap in [0, text.len(), text.len() + 1] {
         let mut room = vec![0x55_u8; cap].into_boxed_slice();
@@ -98,7 +104,7 @@ fn read_value(param: &Param, raw: &[u8]) {
             assert_eq!(room[..text.len()], text);
             assert_eq!(room[text.len()], 0);
         } else {
-            assert_eq!(length, -TOO_LONG);
+            assert_eq!(length, -OLP_RC_TOO_LONG);
             assert!(room.iter().enumerate().all(|(at, byte)| *byte == if at == 0 { 0 } else { 0x55 }));
         }
     }
@@ -111,15 +117,15 @@ fn read_value(param: &Param, raw: &[u8]) {
     let plain = number(&text).filter(|text| !text.contains(['.', 'e', 'E']));
     match plain.map(|text| text.parse::<c_long>()) {
         Some(Ok(expected)) => assert_eq!((code, int), (0, expected)),
-        Some(Err(_)) => assert_eq!(code, RANGE),
-        None => assert_eq!(code, MALFORMED),
+        Some(Err(_)) => assert_eq!(code, OLP_RC_RANGE),
+        None => assert_eq!(code, OLP_RC_MALFORMED),
     }
     let mut float = 0.0_f32;
     let code = unsafe { olp_value_float(param, &raw mut float) };
     match number(&text).map(|text| text.parse::<f32>().unwrap()) {
         Some(expected) if expected.is_finite() => assert_eq!((code, float.to_bits()), (0, expected.to_bits())),
-        Some(_) => assert_eq!(code, RANGE),
-        None => assert_eq!(code, MALFORMED),
+        Some(_) => assert_eq!(code, OLP_RC_RANGE),
+        None => assert_eq!(code, OLP_RC_MALFORMED),
     }
 }
 
@@ -131,15 +137,16 @@ fn build_again(expected: &Parsed) {
         return;
     }
     let mut room = vec![0x55_u8; 2 * expected.length + 16].into_boxed_slice();
-    let mut encoder = Encoder::default();
-    let mut strict = !command.is_empty()
-        && command.iter().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || *byte == b'_');
+    let mut encoder = LineEncoder::zero();
+    let is_name =
+        |name: &[u8]| !name.is_empty() && name.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_');
+    let mut strict = is_name(&command);
     let mut built = [b"c=", &command[..]].concat();
     unsafe {
         olp_begin(&raw mut encoder, room.as_mut_ptr().cast(), room.len() as c_int, c_string(&command).as_ptr().cast());
     }
     for (name, value) in &expected.params[1..] {
-        strict &= !name.is_empty() && name.iter().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit());
+        strict &= is_name(name) && *name != b"s";
         strict &= !value.contains(&b'\r');
         built.extend([b"&", *name, b"=", value].concat());
         unsafe {
@@ -163,7 +170,7 @@ fn build_again(expected: &Parsed) {
 fn build(input: &mut Input) {
     let cap = usize::from(input.byte()) + 64 * usize::from(input.byte() % 8);
     let mut room = vec![0x55_u8; cap].into_boxed_slice();
-    let mut encoder = Encoder::default();
+    let mut encoder = LineEncoder::zero();
     let is_command = input.byte() % 2 == 1;
     let begin = if is_command { olp_begin_command } else { olp_begin };
     unsafe { begin(&raw mut encoder, room.as_mut_ptr().cast(), cap as c_int, c"x".as_ptr()) };
@@ -205,7 +212,7 @@ fn build(input: &mut Input) {
     let checksum = input.byte() % 2;
     let length = unsafe { olp_finish(&raw mut encoder, checksum.into()) };
     if length < 0 {
-        assert!(length == -TOO_LONG || refused && length == -RANGE);
+        assert!(length == -OLP_RC_TOO_LONG || refused && length == -OLP_RC_RANGE);
         assert!(room.first().is_none_or(|first| *first == 0));
         return;
     }
@@ -218,25 +225,24 @@ fn build(input: &mut Input) {
 
 /// Structs whose contents are anything do no harm.
 fn scribbled(input: &mut Input) {
-    let mut receiver = Box::new(Receiver::default());
-    (receiver.used, receiver.overlong) = (input.int(), input.int());
+    let mut receiver = Object::<Receiver>::default();
+    receiver.scribble(input, 0..0);
     let bytes = Box::<[u8]>::from(input.slice(40));
-    let mut line = Line { kind: -1, text: null(), length: -1 };
-    let taken = unsafe { olp_receive(&raw mut *receiver, bytes.as_ptr().cast(), bytes.len() as c_int, &raw mut line) };
+    let mut line = LineText { kind: -1, text: null(), length: -1 };
+    let taken = unsafe { olp_receive(receiver.ptr(), bytes.as_ptr().cast(), bytes.len() as c_int, &raw mut line) };
     assert!(0 <= taken && taken as usize <= bytes.len() && (0..=2).contains(&line.kind));
     if line.kind == 1 {
         assert!(0 < line.length && line.length as usize <= OLP_LINE_MAX);
     }
 
     let mut room = [0x55_u8; 64];
-    let mut encoder = Encoder::default();
+    let mut encoder = Object::<LineEncoder>::default();
     unsafe {
-        olp_begin(&raw mut encoder, room.as_mut_ptr().cast(), room.len() as c_int, c"x".as_ptr());
-        encoder.length = input.int();
-        encoder.cap = encoder.cap.min(input.int());
-        encoder.error = input.int() % 3;
-        olp_add_int(&raw mut encoder, c"v".as_ptr(), 1);
-        assert!(olp_finish(&raw mut encoder, 1) <= 64);
+        olp_begin(encoder.ptr(), room.as_mut_ptr().cast(), room.len() as c_int, c"x".as_ptr());
+        // All but where the room is, and how much of it there is.
+        encoder.scribble(input, 0..size_of::<*mut c_char>() + size_of::<c_int>());
+        olp_add_int(encoder.ptr(), c"v".as_ptr(), 1);
+        assert!(olp_finish(encoder.ptr(), 1) <= 64);
     }
 }
 

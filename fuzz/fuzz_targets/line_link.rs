@@ -4,14 +4,19 @@
 #![no_main]
 
 use std::collections::BTreeMap;
-use std::ffi::{c_int, c_long, c_ulong, c_void};
+use std::ffi::{c_int, c_long, c_ulong};
 use std::ptr::{null, null_mut};
 
+use deltarobot::line_device::{self, *};
+use deltarobot::line_host::event::LineHostEvent;
+use deltarobot::line_host::{self, *};
+use deltarobot::line_protocol::LineParam;
+use deltarobot::line_protocol::message::olp_param_at;
+use deltarobot::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
 use deltarobot_fuzz::input::Input;
-use deltarobot_fuzz::line_abi::*;
 use deltarobot_fuzz::line_board::{Board, COMMAND_MAX, IDS, Table, an_event};
-use deltarobot_fuzz::link::{Line, carry, give, later, written};
-use deltarobot_fuzz::object::Object;
+use deltarobot_fuzz::link::{self, Line, carry, fetch, give, in_range, later, run, written};
+use deltarobot_fuzz::object::{Object, Plain};
 use libfuzzer_sys::fuzz_target;
 
 const COMMANDS: [&[u8]; 8] = [
@@ -25,20 +30,13 @@ const COMMANDS: [&[u8]; 8] = [
     b"c=setswitch&state=1&for=two_and_forty_bytes",
 ];
 
-fuzz_target!(|input: &[u8]| {
-    let mut input = Input(input);
-    let mut world = World::new(&mut input);
-    while !input.is_empty() {
-        world.step(&mut input);
-    }
-    world.everything_ends();
-});
+fuzz_target!(|input: &[u8]| run::<Ends>(input));
 
-struct World {
+struct Ends {
     host: Object<Host>,
-    device: Object<Device>,
+    device: Object<line_device::Device>,
     /// Where a device's pointers lie.
-    pointers: usize,
+    pointers: std::ops::Range<usize>,
     table: Table,
     board: Box<Board>,
     to_device: Line,
@@ -51,7 +49,7 @@ struct World {
     plain: bool,
 }
 
-impl World {
+impl link::World for Ends {
     fn new(input: &mut Input) -> Self {
         let device = Object::default();
         let table = Table::new(input);
@@ -64,7 +62,7 @@ impl World {
         }
         Self {
             host: Object::default(),
-            pointers: device.place_of(table.ptr().cast()),
+            pointers: device.places_of([table.ptr().cast(), board.usr()]),
             device,
             table,
             board,
@@ -105,9 +103,52 @@ impl World {
             18 => self.board.deeds.extend(input.bytes::<4>()),
             _ => self.exchange(),
         }
-        self.look();
     }
 
+    fn look(&self) {
+        let mut link = Link::zero();
+        let mut known = Box::new(line_host::Device {
+            id: [1; OLP_HOST_ID_MAX as usize + 1],
+            r#type: [1; OLP_HOST_TYPE_MAX as usize + 1],
+            name: [1; OLP_HOST_NAME_MAX as usize + 1],
+            version: [1; OLP_HOST_VERSION_MAX as usize + 1],
+            pos: 0,
+            cut: 0,
+        });
+        unsafe {
+            assert_eq!(olp_host_get_link(self.host.ptr(), &raw mut link), 0);
+            in_range(olp_host_next_deadline(self.host.ptr(), self.now));
+            assert_eq!(olp_host_get_health(self.host.ptr(), &raw mut *Box::new(Health::zero())), 0);
+            assert_eq!(olp_device_get_health(self.device.ptr(), &raw mut *Box::new(DeviceHealth::zero())), 0);
+            assert_eq!(olp_host_get_device(self.host.ptr(), -1, &raw mut *known), 11);
+            assert_eq!(olp_host_get_device(self.host.ptr(), OLP_DEVICES_MAX as c_int, &raw mut *known), 11);
+            if olp_host_get_device(self.host.ptr(), 0, &raw mut *known) == 0 {
+                for text in [&known.id[..], &known.r#type, &known.name, &known.version] {
+                    assert!(text.contains(&0) || !self.sound);
+                }
+            }
+        }
+    }
+
+    fn everything_ends(&mut self) {
+        if !self.sound || !self.plain {
+            return;
+        }
+        for _ in 0..16 * OLP_WINDOW_MAX + 16 {
+            self.host_poll(usize::MAX);
+            self.host_output(COMMAND_MAX * (OLP_WINDOW_MAX + 1));
+            let deadline = unsafe { olp_host_next_deadline(self.host.ptr(), self.now) };
+            assert_eq!(deadline < 0, self.open.is_empty());
+            if deadline < 0 {
+                return;
+            }
+            self.now = self.now.wrapping_add(deadline as c_ulong);
+        }
+        panic!("{} commands never end", self.open.len());
+    }
+}
+
+impl Ends {
     /// As much as both ends have to say to each other now, over a good line.
     fn exchange(&mut self) {
         for _ in 0..3 {
@@ -158,29 +199,21 @@ impl World {
 
     /// Gives bytes to the host, and fetches events until it has taken them.
     fn host_receive(&mut self, bytes: &[u8]) {
-        let receive =
-            |world: &Self, bytes, count| unsafe { olp_host_receive(world.host.ptr(), bytes, count, world.now) };
-        let all = give(self, bytes, receive, |world| world.host_poll(usize::MAX));
+        let receive = |ends: &Self, bytes, count| unsafe { olp_host_receive(ends.host.ptr(), bytes, count, ends.now) };
+        let all = give(self, bytes, receive, |ends| ends.host_poll(usize::MAX));
         assert!(all || !self.sound, "the host takes no bytes");
     }
 
     fn host_poll(&mut self, times: usize) {
         // A line's, and two for each command.
         let most = 16 + 4 * OLP_WINDOW_MAX;
-        for _ in 0..times.min(most) {
-            let mut event = Box::new(HostEvent { kind: -1, ..HostEvent::default() });
-            let rc = unsafe { olp_host_poll(self.host.ptr(), self.now, &raw mut *event) };
-            assert_eq!(rc, if event.kind == 0 { 6 } else { 0 });
-            self.happened(&event);
-            if event.kind == 0 {
-                return;
-            }
-        }
-        assert!(times < most || !self.sound, "there is no end of events");
+        let poll = |ends: &Self, event: *mut LineHostEvent| unsafe { olp_host_poll(ends.host.ptr(), ends.now, event) };
+        let ended = fetch(self, times, most, poll, Self::happened);
+        assert!(ended || !self.sound, "there is no end of events");
     }
 
-    fn happened(&mut self, event: &HostEvent) {
-        let link = event.link;
+    fn happened(&mut self, event: &LineHostEvent) {
+        let link = &event.link;
         assert!(link.ack | 1 == 1 && link.checksum | 1 == 1 && link.windowsize >= 1, "{link:?}");
         assert!((0..=8).contains(&event.kind) && (event.outcome != 0) == (event.kind == 4));
         assert!((0..=5).contains(&event.outcome) && (-1..OLP_DEVICES_MAX as c_int).contains(&event.device));
@@ -189,7 +222,7 @@ impl World {
             let line = unsafe { std::slice::from_raw_parts(message.line.cast(), message.length as usize) };
             assert!(self.host.holds(line) && line.len() <= OLP_LINE_MAX && line.starts_with(b"c"));
             for index in 0..message.count {
-                let mut param = Param::default();
+                let mut param = LineParam::zero();
                 assert_eq!(unsafe { olp_param_at(message, index, &raw mut param) }, 0);
             }
         }
@@ -206,7 +239,7 @@ impl World {
     }
 
     fn host_output(&mut self, cap: usize) {
-        let lines = written(cap, |room, cap| unsafe { olp_host_output(self.host.ptr(), room, cap, self.now) });
+        let lines = written(cap, true, |room, cap| unsafe { olp_host_output(self.host.ptr(), room, cap, self.now) });
         if self.sound {
             for line in lines.split_inclusive(|byte| *byte == b'\n') {
                 assert!(line.len() <= COMMAND_MAX && line.starts_with(b"c=") && line.ends_with(b"\n"));
@@ -218,8 +251,8 @@ impl World {
 
     fn device_receive(&mut self, bytes: &[u8]) {
         let receive =
-            |world: &Self, bytes, count| unsafe { olp_device_receive(world.device.ptr(), bytes, count, world.now) };
-        let all = give(self, bytes, receive, |world| world.device_poll(8));
+            |ends: &Self, bytes, count| unsafe { olp_device_receive(ends.device.ptr(), bytes, count, ends.now) };
+        let all = give(self, bytes, receive, |ends| ends.device_poll(8));
         assert!(all || !self.board.sound, "the device takes no bytes");
     }
 
@@ -264,7 +297,7 @@ impl World {
     }
 
     fn host_init(&mut self, input: &mut Input, variant: u8) {
-        let settings = HostSettings {
+        let settings = Settings {
             timeout_ms: c_ulong::from_le_bytes(input.bytes()) >> (variant * 8),
             answer_ms: c_ulong::from(input.byte()) * 10,
             repeat_ms: c_ulong::from_le_bytes(input.bytes()) >> (variant * 8),
@@ -286,8 +319,7 @@ impl World {
                 self.sound = false;
             }
             2 | 3 => {
-                let pointers = self.pointers..self.pointers + 2 * size_of::<*const c_void>();
-                self.device.scribble(input, pointers);
+                self.device.scribble(input, self.pointers.clone());
                 self.board.sound = false;
             }
             4 => self.device_init(),
@@ -311,45 +343,6 @@ impl World {
             assert_eq!(olp_device_init(null_mut(), self.table.ptr(), null_mut()), 1);
             assert_eq!(olp_device_poll(null_mut(), self.now), 1);
         }
-    }
-
-    /// What can be asked at any time.
-    fn look(&self) {
-        let deadline = unsafe { olp_host_next_deadline(self.host.ptr(), self.now) };
-        assert!((-1..1 << 32).contains(&deadline), "{deadline}");
-        let mut link = Link::default();
-        let mut known =
-            Box::new(HostDevice { id: [1; 16], kind: [1; 48], name: [1; 32], version: [1; 16], pos: 0, cut: 0 });
-        unsafe {
-            assert_eq!(olp_host_get_link(self.host.ptr(), &raw mut link), 0);
-            assert!(!olp_host_get_health(self.host.ptr()).is_null());
-            assert!(!olp_device_get_health(self.device.ptr()).is_null());
-            assert_eq!(olp_host_get_device(self.host.ptr(), -1, &raw mut *known), 11);
-            assert_eq!(olp_host_get_device(self.host.ptr(), OLP_DEVICES_MAX as c_int, &raw mut *known), 11);
-            if olp_host_get_device(self.host.ptr(), 0, &raw mut *known) == 0 {
-                for text in [&known.id[..], &known.kind, &known.name, &known.version] {
-                    assert!(text.contains(&0) || !self.sound);
-                }
-            }
-        }
-    }
-
-    /// With nobody at the other end, all that was sent ends by its deadlines.
-    fn everything_ends(&mut self) {
-        if !self.sound || !self.plain {
-            return;
-        }
-        for _ in 0..16 * OLP_WINDOW_MAX + 16 {
-            self.host_poll(usize::MAX);
-            self.host_output(COMMAND_MAX * (OLP_WINDOW_MAX + 1));
-            let deadline = unsafe { olp_host_next_deadline(self.host.ptr(), self.now) };
-            assert_eq!(deadline < 0, self.open.is_empty());
-            if deadline < 0 {
-                return;
-            }
-            self.now = self.now.wrapping_add(deadline as c_ulong);
-        }
-        panic!("{} commands never end", self.open.len());
     }
 }
 

@@ -7,13 +7,16 @@ use std::collections::BTreeMap;
 use std::ffi::{c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
-use deltarobot_fuzz::abi::DP_DATA_MAX_SIZE;
+use deltarobot::controller::Controller;
+use deltarobot::host::event::*;
+use deltarobot::host::*;
+use deltarobot::protocol::Position;
+use deltarobot::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_fuzz::contract::{Standing, standing};
 use deltarobot_fuzz::input::Input;
-use deltarobot_fuzz::link::{Line, carry, give, later, written};
-use deltarobot_fuzz::link_abi::*;
-use deltarobot_fuzz::link_robot::{self, Robot};
-use deltarobot_fuzz::object::Object;
+use deltarobot_fuzz::link::{self, Line, carry, fetch, give, in_range, later, run, written};
+use deltarobot_fuzz::link_robot::{self, Robot, report_of};
+use deltarobot_fuzz::object::{Object, Plain};
 use libfuzzer_sys::fuzz_target;
 
 /// How long all requests take to end when nothing is heard, with the default settings: first a cancel request, which
@@ -21,20 +24,13 @@ use libfuzzer_sys::fuzz_target;
 /// silence.
 const PATIENCE_MS: c_ulong = 2 * (500 + 250 + 4 * 250) + 3000;
 
-fuzz_target!(|input: &[u8]| {
-    let mut input = Input(input);
-    let mut world = World::new(&mut input);
-    while !input.is_empty() {
-        world.step(&mut input);
-    }
-    world.everything_ends();
-});
+fuzz_target!(|input: &[u8]| run::<Link>(input));
 
-struct World {
+struct Link {
     host: Object<Host>,
     controller: Object<Controller>,
     /// Where the controller's pointers lie.
-    pointers: usize,
+    pointers: std::ops::Range<usize>,
     robot: Box<Robot>,
     to_controller: Line,
     now: c_ulong,
@@ -48,7 +44,7 @@ struct World {
     plain: bool,
 }
 
-impl World {
+impl link::World for Link {
     fn new(input: &mut Input) -> Self {
         let controller = Object::default();
         let mut robot = Robot::new(controller.ptr(), input);
@@ -59,7 +55,7 @@ impl World {
         }
         Self {
             host: Object::default(),
-            pointers: controller.place_of(robot.calls().cast()),
+            pointers: controller.places_of([robot.calls().cast(), (&raw const *robot).cast()]),
             controller,
             robot,
             to_controller: Line::new(),
@@ -97,14 +93,43 @@ impl World {
             17 => self.robot.deeds.extend(input.bytes::<4>()),
             _ => self.exchange(variant),
         }
-        self.look();
     }
 
+    fn look(&self) {
+        unsafe {
+            in_range(dp_host_next_deadline(self.host.ptr(), self.now));
+            let busy = dp_host_busy(self.host.ptr());
+            assert!(if self.sound { busy == c_int::from(self.operates()) } else { busy | 1 == 1 });
+            assert_eq!(dp_host_get_health(self.host.ptr(), &raw mut *Box::new(HostHealth::zero())), 0);
+        }
+    }
+
+    fn everything_ends(&mut self) {
+        if !self.sound || !self.plain {
+            return;
+        }
+        let began = self.now;
+        loop {
+            self.host_poll(usize::MAX);
+            self.host_output(DP_HOST_OUTPUT_MAX as usize);
+            let deadline = unsafe { dp_host_next_deadline(self.host.ptr(), self.now) };
+            if deadline < 0 {
+                break;
+            }
+            assert!(deadline > 0, "nothing is left to do now");
+            self.now = self.now.wrapping_add(deadline as c_ulong);
+            assert!(self.now.wrapping_sub(began) <= PATIENCE_MS, "{:?} lasts too long", self.open);
+        }
+        assert!(self.open.is_empty(), "{:?} never ends", self.open);
+    }
+}
+
+impl Link {
     /// As much as both ends have to say to each other now, over a good line, with a robot that is quick.
     fn exchange(&mut self, times: u8) {
         for _ in 0..times {
             self.host_poll(usize::MAX);
-            self.host_output(OUTPUT_MAX);
+            self.host_output(DP_HOST_OUTPUT_MAX as usize);
             let bytes: Vec<_> = self.to_controller.drain(..).collect();
             unsafe { link_robot::receive(&raw mut *self.robot, &bytes) };
             self.controller_poll(8, false);
@@ -123,7 +148,8 @@ impl World {
                     4 => f32::from_le_bytes(input.bytes()),
                     _ => f32::from(input.byte() as i8),
                 }));
-                let rc = unsafe { dp_host_move(host, arms.as_ptr().cast()) };
+                let [a, b, c] = *arms;
+                let rc = unsafe { dp_host_move(host, &raw const *Box::new(Position { DA: a, DB: b, DC: c })) };
                 if rc == 0 {
                     self.target = *arms;
                 }
@@ -149,25 +175,16 @@ impl World {
 
     /// Gives bytes to the host, and fetches events until it has taken them.
     fn host_receive(&mut self, bytes: &[u8]) {
-        let receive =
-            |world: &Self, bytes, count| unsafe { dp_host_receive(world.host.ptr(), bytes, count, world.now) };
-        let all = give(self, bytes, receive, |world| world.host_poll(usize::MAX));
+        let receive = |link: &Self, bytes, count| unsafe { dp_host_receive(link.host.ptr(), bytes, count, link.now) };
+        let all = give(self, bytes, receive, |link| link.host_poll(usize::MAX));
         assert!(all || !self.sound, "the host takes no bytes");
     }
 
     fn host_poll(&mut self, times: usize) {
         // All of them for each of the shortest frames that the ring has room for.
         let most = 256;
-        for _ in 0..times.min(most) {
-            let mut event = Box::new(HostEvent { kind: -1, ..HostEvent::default() });
-            let rc = unsafe { dp_host_poll(self.host.ptr(), self.now, &raw mut *event) };
-            assert_eq!(rc, if event.kind == 0 { 6 } else { 0 });
-            self.happened(&event);
-            if event.kind == 0 {
-                return;
-            }
-        }
-        assert!(times < most, "there is no end of events");
+        let poll = |link: &Self, event: *mut HostEvent| unsafe { dp_host_poll(link.host.ptr(), link.now, event) };
+        assert!(fetch(self, times, most, poll, Self::happened), "there is no end of events");
     }
 
     fn happened(&mut self, event: &HostEvent) {
@@ -178,7 +195,8 @@ impl World {
                 assert!((0..=DP_DATA_MAX_SIZE as c_int).contains(&msg.data_s) && msg.checksum_ok == 1, "{event:?}");
                 assert!(b"ANHMSChsme".contains(&msg.opcode), "{event:?}");
             }
-            2 | 3 => assert!(report.stat < 0x20 && state == c_int::from(report.stat & 3), "{event:?}"),
+            2 | 3 if state == -1 => assert!(!self.sound, "{event:?}"),
+            2 | 3 => assert!(report.STAT < 0x20 && state == c_int::from(report.STAT & 3), "{event:?}"),
             5 => assert!(b"HM".contains(&opcode), "{event:?}"),
             6 => assert!(b"HMCS".contains(&opcode), "{event:?}"),
             _ => (),
@@ -204,8 +222,8 @@ impl World {
     }
 
     fn host_output(&mut self, cap: usize) {
-        let frames = written(cap, |room, cap| unsafe { dp_host_output(self.host.ptr(), room, cap, self.now) });
-        assert!(frames.len() <= OUTPUT_MAX);
+        let frames = written(cap, true, |room, cap| unsafe { dp_host_output(self.host.ptr(), room, cap, self.now) });
+        assert!(frames.len() <= DP_HOST_OUTPUT_MAX as usize);
         let mut rest = &frames[..];
         while !rest.is_empty() {
             let Standing::Intact(opcode, payload) = standing(rest) else { panic!("{frames:?}") };
@@ -238,9 +256,12 @@ impl World {
     fn machine(&mut self, input: &mut Input, variant: u8) {
         match variant {
             0..3 => self.robot.stands(),
-            3 => self.robot.report.arms = [f32::NAN; 3],
-            4 => self.robot.report.arms = [(); 3].map(|()| f32::from_le_bytes(input.bytes())),
-            5 => self.robot.report.stat = input.byte(),
+            3 => self.robot.report = report_of([f32::NAN; 3], self.robot.report.STAT),
+            4 => {
+                let arms = [(); 3].map(|()| f32::from_le_bytes(input.bytes()));
+                self.robot.report = report_of(arms, self.robot.report.STAT);
+            }
+            5 => self.robot.report.STAT = input.byte(),
             6 => unsafe { link_robot::report(&raw mut *self.robot) },
             _ => unsafe { link_robot::make(&raw mut *self.robot, input.int(), input.int(), input.byte() == 7) },
         }
@@ -261,7 +282,7 @@ impl World {
             attempts: input.int(),
             layout: input.int(),
             messages: c_int::from(input.byte() % 2),
-            doubles: c_int::from(input.byte() % 2),
+            duplicates: c_int::from(input.byte() % 2),
         };
         self.plain = variant == 0;
         let settings = if self.plain { null() } else { &raw const settings };
@@ -279,8 +300,7 @@ impl World {
                 self.sound = false;
             }
             3..6 => {
-                let pointers = self.pointers..self.pointers + 2 * size_of::<*const c_void>();
-                self.controller.scribble(input, pointers);
+                self.controller.scribble(input, self.pointers.clone());
             }
             _ => self.host_init(&mut Input(&[]), 0),
         }
@@ -301,39 +321,8 @@ impl World {
             assert_eq!(dp_host_poll(host, now, null_mut()), 1);
             assert_eq!(dp_host_next_deadline(null(), now), -1);
             assert_eq!(dp_host_busy(null()), 0);
-            assert!(dp_host_get_health(null()).is_null());
+            assert_eq!(dp_host_get_health(host, null_mut()), 1);
             link_robot::nulls(&raw const *self.robot);
         }
-    }
-
-    /// What can be asked at any time.
-    fn look(&self) {
-        unsafe {
-            let deadline = dp_host_next_deadline(self.host.ptr(), self.now);
-            assert!((-1..1 << 32).contains(&deadline), "{deadline}");
-            let busy = dp_host_busy(self.host.ptr());
-            assert!(if self.sound { busy == c_int::from(self.operates()) } else { busy | 1 == 1 });
-            assert!(!dp_host_get_health(self.host.ptr()).is_null());
-        }
-    }
-
-    /// With nobody at the other end, all requests end by their deadlines.
-    fn everything_ends(&mut self) {
-        if !self.sound || !self.plain {
-            return;
-        }
-        let began = self.now;
-        loop {
-            self.host_poll(usize::MAX);
-            self.host_output(OUTPUT_MAX);
-            let deadline = unsafe { dp_host_next_deadline(self.host.ptr(), self.now) };
-            if deadline < 0 {
-                break;
-            }
-            assert!(deadline > 0, "nothing is left to do now");
-            self.now = self.now.wrapping_add(deadline as c_ulong);
-            assert!(self.now.wrapping_sub(began) <= PATIENCE_MS, "{:?} lasts too long", self.open);
-        }
-        assert!(self.open.is_empty(), "{:?} never ends", self.open);
     }
 }

@@ -2,7 +2,8 @@
 
 use std::ffi::c_int;
 
-use crate::abi::{DP_BUFSIZE, DP_DATA_MAX_SIZE, GARBAGE, NO_FRAME};
+use deltarobot::protocol::{DP_RC_GARBAGE, DP_RC_NO_FRAME};
+use deltarobot::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 
 /// What stands at the beginning of some bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -80,6 +81,6 @@ impl Ring {
             }
             dropped += 1;
         }
-        Err(if dropped > 0 { GARBAGE } else { NO_FRAME })
+        Err(if dropped > 0 { DP_RC_GARBAGE } else { DP_RC_NO_FRAME })
     }
 }

@@ -2,7 +2,8 @@
 
 use std::ffi::c_int;
 
-use crate::abi::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use deltarobot::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+
 use crate::contract::frame;
 
 pub struct Input<'a>(pub &'a [u8]);

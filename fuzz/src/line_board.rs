@@ -4,9 +4,15 @@ use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 use std::ptr::null;
 
+use deltarobot::line_device::*;
+use deltarobot::line_protocol::encoder::*;
+use deltarobot::line_protocol::message::olp_param_at;
+use deltarobot::line_protocol::{LineEncoder, LineMessage, LineParam};
+use deltarobot::sizes::OLP_REPLY_MAX;
+
 use crate::input::Input;
-use crate::line_abi::*;
 use crate::link::Line;
+use crate::object::Plain;
 
 pub const COMMAND_MAX: usize = 64;
 pub const IDS: [&CStr; 5] = [c"sf6z34", c"9o5qzg", c"a.b_c-d", c"nobody", c"%&= \xC3"];
@@ -43,13 +49,13 @@ pub struct Table {
 impl Table {
     pub fn new(input: &mut Input) -> Self {
         let infos: Vec<_> = [(IDS[0], 0, null()), (IDS[1], 1, c"A name, 100 %".as_ptr()), (IDS[2], -7, c"".as_ptr())]
-            .map(|(id, pos, name)| DeviceInfo { id: id.as_ptr(), kind: c"Kind".as_ptr(), pos, name, version: name })
+            .map(|(id, pos, name)| DeviceInfo { id: id.as_ptr(), r#type: c"Kind".as_ptr(), pos, name, version: name })
             .into();
-        let command = |id, name: &CStr, run| Command { id, name: name.as_ptr(), run };
+        let command = |id, name: &CStr, run: RunFunc| Command { id, name: name.as_ptr(), run };
         let commands = vec![
-            command(IDS[1].as_ptr(), c"setswitch", Some(run as RunFunc)),
-            command(null(), c"get", Some(run as RunFunc)),
-            command(null(), c"again", Some(run as RunFunc)),
+            command(IDS[1].as_ptr(), c"setswitch", Some(run)),
+            command(null(), c"get", Some(run)),
+            command(null(), c"again", Some(run)),
             command(null(), c"refused", None),
         ];
         let table = Box::new(DeviceTable {
@@ -75,7 +81,7 @@ impl Table {
 /// The device is one.
 pub unsafe fn an_event(device: *mut Device, how: u8, id: &[u8]) {
     let mut room = vec![0x55_u8; usize::from(how)].into_boxed_slice();
-    let mut event = Encoder::default();
+    let mut event = LineEncoder::zero();
     unsafe {
         olp_begin(&raw mut event, room.as_mut_ptr().cast(), room.len() as c_int, c"info".as_ptr());
         olp_add_int(&raw mut event, c"n".as_ptr(), c_long::from(how) << (how % 24));
@@ -126,13 +132,13 @@ unsafe extern "C" fn send(line: *const c_void, bytes: c_int, usr: *mut c_void) -
     bytes
 }
 
-unsafe extern "C" fn run(command: *const Message, answer: *mut Encoder, usr: *mut c_void) -> c_int {
+unsafe extern "C" fn run(command: *const LineMessage, answer: *mut LineEncoder, usr: *mut c_void) -> c_int {
     let board: *mut Board = usr.cast();
     unsafe {
         let line = std::slice::from_raw_parts((*command).line.cast::<u8>(), (*command).length as usize);
         assert!(line.len() < COMMAND_MAX && (*command).count > 0);
         for index in 0..(*command).count {
-            let mut param = Param::default();
+            let mut param = LineParam::zero();
             assert_eq!(olp_param_at(command, index, &raw mut param), 0);
             olp_add_raw(answer, c"p".as_ptr(), param.value, param.value_length);
         }

@@ -2,7 +2,8 @@
 
 use std::ffi::{c_int, c_uint};
 
-use crate::line_abi::{MALFORMED, NO_COMMAND, OLP_LINE_MAX};
+use deltarobot::line_protocol::{OLP_RC_MALFORMED, OLP_RC_NO_COMMAND};
+use deltarobot::sizes::OLP_LINE_MAX;
 
 /// What a line says.
 #[derive(Debug)]
@@ -50,21 +51,23 @@ pub fn parse(line: &[u8]) -> Result<Parsed<'_>, c_int> {
         })
         .collect();
     if line.first() != Some(&b'c') || params[0].0 != b"c" {
-        return Err(NO_COMMAND);
+        return Err(OLP_RC_NO_COMMAND);
     }
     let escapes = line.split(|byte| *byte == b'%').skip(1);
     let is_escape = |text: &[u8]| text.len() >= 2 && text[..2].iter().all(u8::is_ascii_hexdigit);
     if line.contains(&b'\n') || !escapes.map(is_escape).all(|right| right) {
-        return Err(MALFORMED);
+        return Err(OLP_RC_MALFORMED);
     }
     let length = line.len();
-    let last = line.rsplit(|byte| *byte == b'&').next().unwrap();
-    let (checksum, sum) = if last == b"s" || last.starts_with(b"s=") {
-        let sum = fletcher16(&line[..length - last.len() - 1]);
-        let right = last.to_ascii_lowercase() == format!("s={sum:04x}").into_bytes();
-        (if right { 1 } else { 2 }, sum)
-    } else {
-        (0, fletcher16(line))
+    // The first parameter s, which must be the last one.
+    let given = (1..length).find(|at| line[*at..].starts_with(b"&s=") || line[*at..] == *b"&s");
+    let (checksum, sum) = match given {
+        Some(at) => {
+            let sum = fletcher16(&line[..at]);
+            let right = line[at..].to_ascii_lowercase() == format!("&s={sum:04x}").into_bytes();
+            (if right { 1 } else { 2 }, sum)
+        }
+        None => (0, fletcher16(line)),
     };
     Ok(Parsed { params, checksum, sum, length })
 }

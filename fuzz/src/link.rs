@@ -4,6 +4,32 @@ use std::collections::VecDeque;
 use std::ffi::{c_int, c_long, c_ulong, c_void};
 
 use crate::input::Input;
+use crate::object::Event;
+
+/// Both ends of a link, and the line between them.
+pub trait World {
+    fn new(input: &mut Input) -> Self;
+
+    /// Does what the input says.
+    fn step(&mut self, input: &mut Input);
+
+    /// Asks what can be asked at any time.
+    fn look(&self);
+
+    /// With nobody at the other end, all that was requested ends by its deadlines.
+    fn everything_ends(&mut self);
+}
+
+/// A fuzz target's run.
+pub fn run<W: World>(input: &[u8]) {
+    let mut input = Input(input);
+    let mut world = W::new(&mut input);
+    while !input.is_empty() {
+        world.step(&mut input);
+        world.look();
+    }
+    world.everything_ends();
+}
 
 /// Bytes on their way.
 pub type Line = VecDeque<u8>;
@@ -48,12 +74,42 @@ pub fn give<W>(
     false
 }
 
-/// What a session writes into room for so many bytes. It leaves the rest of that alone.
-pub fn written(cap: usize, output: impl Fn(*mut c_void, c_int) -> c_int) -> Vec<u8> {
+/// What a session writes into room for so many bytes. `leaves_rest`: and leaves the rest of
+/// it alone.
+pub fn written(cap: usize, leaves_rest: bool, output: impl Fn(*mut c_void, c_int) -> c_int) -> Vec<u8> {
     let mut room = vec![0x55_u8; cap].into_boxed_slice();
     let length = usize::try_from(output(room.as_mut_ptr().cast(), cap as c_int)).unwrap();
-    assert!(room[length..].iter().all(|byte| *byte == 0x55));
+    assert!(!leaves_rest || room[length..].iter().all(|byte| *byte == 0x55));
     room[..length].to_vec()
+}
+
+/// Fetches events until there is none, at most so many, and at most as many as there can be; whether there is an end of
+/// them.
+pub fn fetch<W, E: Event>(
+    world: &mut W,
+    times: usize,
+    most: usize,
+    poll: impl Fn(&W, *mut E) -> c_int,
+    happened: impl Fn(&mut W, &E),
+) -> bool {
+    for _ in 0..times.min(most) {
+        let mut event = Box::new(E::zero());
+        *event.kind() = -1;
+        let rc = poll(world, &raw mut *event);
+        let is_none = *event.kind() == 0;
+        assert_eq!(rc, if is_none { 6 } else { 0 });
+        happened(world, &event);
+        if is_none {
+            return true;
+        }
+    }
+    times < most
+}
+
+/// A deadline that a session returns.
+pub fn in_range(deadline: c_long) -> c_long {
+    assert!((-1..1 << 32).contains(&deadline), "{deadline}");
+    deadline
 }
 
 /// A time later: any at all, before now, soon, at the deadline or just before it.

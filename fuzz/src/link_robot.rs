@@ -4,10 +4,13 @@ use std::collections::VecDeque;
 use std::ffi::{c_int, c_void};
 use std::ptr::{null, null_mut};
 
+use deltarobot::controller::*;
+use deltarobot::protocol::{Position, StatusReport};
+
 use crate::contract::{Standing, standing};
 use crate::input::Input;
-use crate::link::Line;
-use crate::link_abi::*;
+use crate::link::{Line, give};
+use crate::object::Plain;
 
 const HOMING: u8 = 1;
 const MOVING: u8 = 2;
@@ -37,7 +40,7 @@ impl Robot {
                 read: Some(read),
                 send: Some(send),
             },
-            report: StatusReport::default(),
+            report: StatusReport::zero(),
             target: [0.0; 3],
             sent: Line::new(),
             deeds: VecDeque::new(),
@@ -51,8 +54,12 @@ impl Robot {
     }
 
     pub fn stands(&mut self) {
-        self.report = StatusReport { arms: self.target, stat: 0 };
+        self.report = report_of(self.target, 0);
     }
+}
+
+pub fn report_of([a, b, c]: [f32; 3], stat: u8) -> StatusReport {
+    StatusReport { DA: a, DB: b, DC: c, STAT: stat }
 }
 
 /// Makes the controller, or tries to: with layouts that there are not, and without functions.
@@ -83,11 +90,13 @@ pub unsafe fn poll(robot: *mut Robot, idle: bool) -> bool {
     }
 }
 
-/// Calls `dp_controller_receive`.
+/// Calls `dp_controller_receive`, and the controller's functions until it has taken all bytes.
 pub unsafe fn receive(robot: *mut Robot, bytes: &[u8]) {
-    let bytes = Box::<[u8]>::from(bytes);
-    let rc = unsafe { dp_controller_receive((*robot).controller, bytes.as_ptr().cast(), bytes.len() as c_int) };
-    assert!(rc == 0 || rc == 3);
+    let controller = unsafe { (*robot).controller };
+    let receive = |_: &_, bytes, count| unsafe { dp_controller_receive(controller, bytes, count) };
+    let poll = |robot: &mut *mut Robot| while unsafe { poll(*robot, false) } {};
+    let all = give(&mut { robot }, bytes, receive, poll);
+    assert!(all || unsafe { !(*robot).made }, "the controller takes no bytes");
 }
 
 /// Calls `dp_controller_report`.
@@ -125,7 +134,7 @@ unsafe fn begin(robot: *mut Robot, stat: u8) -> c_int {
     unsafe {
         let deed = do_more(robot);
         if deed & 0x40 == 0 {
-            (*robot).report.stat = stat;
+            (*robot).report.STAT = stat;
         }
         // Refused, or said to be, or neither.
         c_int::from(deed as i8 >> 7)
@@ -140,11 +149,12 @@ unsafe extern "C" fn home(usr: *mut c_void) -> c_int {
     }
 }
 
-unsafe extern "C" fn start_move(target: *const [f32; 3], usr: *mut c_void) -> c_int {
+unsafe extern "C" fn start_move(target: *const Position, usr: *mut c_void) -> c_int {
     unsafe {
-        assert!((*target).iter().all(|arm| !arm.is_nan()));
+        let Position { DA, DB, DC } = *target;
+        assert!([DA, DB, DC].iter().all(|arm| !arm.is_nan()));
         let robot: *mut Robot = usr.cast();
-        (*robot).target = *target;
+        (*robot).target = [DA, DB, DC];
         begin(robot, MOVING)
     }
 }
@@ -160,8 +170,8 @@ unsafe extern "C" fn read(report: *mut StatusReport, usr: *mut c_void) {
         match deed >> 6 {
             // Forgets to.
             1 => (),
-            2 => *report = StatusReport { arms: [f32::from_bits(u32::MAX); 3], stat: deed },
-            _ => *report = (*robot).report,
+            2 => *report = report_of([f32::from_bits(u32::MAX); 3], deed),
+            _ => *report = (*robot).report.copy(),
         }
     }
 }
@@ -190,9 +200,9 @@ pub unsafe fn nulls(robot: *const Robot) {
     unsafe {
         let (controller, byte) = ((*robot).controller, robot.cast::<c_void>());
         assert_eq!(dp_controller_init(null_mut(), (*robot).calls(), null_mut(), 0, 0), 1);
-        assert_eq!(dp_controller_receive(null_mut(), byte, 1), 1);
-        assert_eq!(dp_controller_receive(controller, null(), 1), 1);
-        assert_eq!(dp_controller_receive(controller, byte, -1), 1);
+        assert_eq!(dp_controller_receive(null_mut(), byte, 1), -1);
+        assert_eq!(dp_controller_receive(controller, null(), 1), -1);
+        assert_eq!(dp_controller_receive(controller, byte, -1), -1);
         assert_eq!(dp_controller_poll(null_mut()), 1);
         assert_eq!(dp_controller_poll_idle(null_mut()), 1);
         assert_eq!(dp_controller_report(null_mut()), 1);

@@ -1,12 +1,13 @@
-//! Memory for objects whose fields are private.
+//! Structs of the C ABI as C programs have them: memory.
 
 use std::alloc::{Layout, alloc_zeroed, dealloc};
-use std::ffi::c_void;
+use std::ffi::{c_int, c_void};
+use std::mem::zeroed;
 
 use crate::input::Input;
 
 /// An object: all zero at first, and an allocation of its own, so that the address sanitizer sees the first byte too
-/// far. Of the library's type only the size is used, which C tests compare with the header's.
+/// far.
 pub struct Object<T>(*mut T);
 
 impl<T> Default for Object<T> {
@@ -38,14 +39,17 @@ impl<T> Object<T> {
         }
     }
 
-    /// Where a pointer lies in it.
-    pub fn place_of(&self, pointer: *const c_void) -> usize {
-        let words = (0..size_of::<T>()).step_by(align_of::<*const c_void>());
-        let found: Vec<_> = words
-            .filter(|place| unsafe { self.0.cast::<u8>().add(*place).cast::<*const c_void>().read() } == pointer)
-            .collect();
-        assert_eq!(found.len(), 1);
-        found[0]
+    /// Where two pointers lie in it, next to each other.
+    pub fn places_of(&self, pointers: [*const c_void; 2]) -> std::ops::Range<usize> {
+        let size = size_of::<*const c_void>();
+        let place_of = |pointer| {
+            let mut places = (0..size_of::<T>()).step_by(size);
+            places.find(|place| unsafe { self.0.cast::<u8>().add(*place).cast::<*const c_void>().read() } == pointer)
+        };
+        let places = pointers.map(|pointer| place_of(pointer).expect("the pointer is kept"));
+        let start = *places.iter().min().unwrap();
+        assert_eq!(places.iter().max(), Some(&(start + size)));
+        start..start + 2 * size
     }
 
     /// Whether all of a view lies in it.
@@ -54,3 +58,61 @@ impl<T> Object<T> {
         start <= from && from + view.len() <= start + size_of::<T>()
     }
 }
+
+/// A struct of the C ABI that is not private: integers, floats, pointers that may be null, arrays and structs of them.
+pub trait Plain: Sized {
+    #[must_use]
+    fn zero() -> Self {
+        // SAFETY: all of these can be zero.
+        unsafe { zeroed() }
+    }
+
+    #[must_use]
+    fn copy(&self) -> Self {
+        // SAFETY: all of these can be copied.
+        unsafe { std::ptr::read(self) }
+    }
+
+    /// Its bytes, those of any padding included.
+    fn bytes(&self) -> &[u8] {
+        // SAFETY: so many bytes, which are initialised where it began as zero.
+        unsafe { std::slice::from_raw_parts(std::ptr::from_ref(self).cast(), size_of::<Self>()) }
+    }
+}
+
+/// An event of a session.
+pub trait Event: Plain {
+    fn kind(&mut self) -> &mut c_int;
+}
+
+macro_rules! plain {
+    ($($module:ident: $($name:ident)*;)*) => {$($(impl Plain for deltarobot::$module::$name {})*)*};
+}
+macro_rules! events {
+    ($($($module:ident)::*;)*) => {$(
+        impl Plain for deltarobot::$($module)::* {}
+        impl Event for deltarobot::$($module)::* {
+            fn kind(&mut self) -> &mut c_int {
+                &mut self.kind
+            }
+        }
+    )*};
+}
+plain! {
+    protocol: ProtocolData ProtocolMsg StatusReport Position;
+    host: HostHealth;
+    gx: Vector Number Item Commands Notices;
+    line_protocol: LineMessage LineParam LineText LineEncoder;
+    line_host: Link Health Device;
+    line_device: DeviceHealth;
+    gx_host: Health;
+    gx_motion: Health;
+    contouring_protocol: CPVectorCommand CPPackedVectorCommandBuffer;
+}
+events! {
+    host::event::HostEvent;
+    line_host::event::LineHostEvent;
+    gx_host::HostEvent;
+    gx_motion::MotionEvent;
+}
+impl Plain for deltarobot::gx::contour::Contour {}

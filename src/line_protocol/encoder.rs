@@ -213,7 +213,8 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     }
     let code = encoder.error;
     encoder.error = OLP_RC_ERROR_GENERIC;
-    if code == OLP_RC_SUCCESS { encoder.length } else { code.wrapping_neg() }
+    // Below 0, whatever an encoder that was never begun holds: nobody shall take it for a length.
+    if code == OLP_RC_SUCCESS { encoder.length } else { code.saturating_abs().wrapping_neg() }
 }
 
 /// # Safety

@@ -75,25 +75,29 @@ impl Message {
     /// Writes the payload to the beginning of `out` and returns its length.
     #[must_use]
     pub fn write(&self, layout: Layout, out: &mut [u8; PAYLOAD_MAX]) -> usize {
-        match self {
+        let (position, begin, length) = match self {
             Self::Ack(answered) | Self::Nack(answered) => {
                 out[0] = answered.0;
-                1
+                return 1;
             }
-            Self::Move(position) => {
-                put(out, position.to_wire());
-                POSITION_SIZE
-            }
-            Self::StatusReport(report) if layout == Layout::Spec => {
-                put(out, [report.stat()].into_iter().chain(report.position.to_wire()));
-                report::REPORT_SIZE
-            }
+            Self::Move(position) => (position, 0, POSITION_SIZE),
             Self::StatusReport(report) => {
-                put(out, report.position.to_wire().into_iter().chain([report.stat(), 0, 0, 0]));
-                PAYLOAD_MAX
+                // Where STAT stands in either layout: the position comes over one of them.
+                let [spec, .., firmware, padding0, padding1, padding2] = out;
+                (*spec, *firmware) = (report.stat(), report.stat());
+                (*padding0, *padding1, *padding2) = (0, 0, 0);
+                if layout == Layout::Spec {
+                    (&report.position, 1, report::REPORT_SIZE)
+                } else {
+                    (&report.position, 0, PAYLOAD_MAX)
+                }
             }
-            _ => 0,
+            _ => return 0,
+        };
+        for (place, byte) in out.iter_mut().skip(begin).zip(position.to_wire()) {
+            *place = byte;
         }
+        length
     }
 
     /// Writes the frame that says this to the beginning of `out` and returns its length; `None` when it does not fit.
@@ -102,13 +106,6 @@ impl Message {
         let mut payload = [0; PAYLOAD_MAX];
         let length = self.write(layout, &mut payload);
         encode(self.opcode(), payload.get(..length).unwrap_or_default(), out)
-    }
-}
-
-#[inline]
-fn put(out: &mut [u8; PAYLOAD_MAX], bytes: impl IntoIterator<Item = u8>) {
-    for (place, byte) in out.iter_mut().zip(bytes) {
-        *place = byte;
     }
 }
 

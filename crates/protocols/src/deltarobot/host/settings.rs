@@ -11,11 +11,10 @@ use crate::session::{RoundTrips, count, span, times};
 pub struct Settings {
     /// How long an answer is waited for before the request is retransmitted; by default 250.
     pub ack_ms: u32,
-    /// The longest time from sending a request to its answer's arrival, however late: what has not come by then is
-    /// lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
+    /// The longest time from sending a request to its answer's arrival, if it comes at all; by default 500.
     pub guard_ms: u32,
-    /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
-    /// other state before it, does not end the operation. Not below guard; by default 500.
+    /// For how long behind its ack a report of IDLE does not end an operation, unless it was seen running; at least
+    /// `guard_ms`, by default 500.
     pub settle_ms: u32,
     /// During an operation the status is requested when no report came for this long; by default 200.
     pub poll_ms: u32,
@@ -25,8 +24,8 @@ pub struct Settings {
     pub operation_ms: u32,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: u32,
-    /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
-    /// displacement; by default 0.25, twice what shipped firmware allows itself.
+    /// How far each arm may be from the target of a finished move; by default 0.25, twice what shipped firmware allows
+    /// itself.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: i16,
@@ -34,8 +33,8 @@ pub struct Settings {
     pub layout: u8,
     /// Not 0: each received message is an event.
     pub messages: u8,
-    /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
-    /// waits until the guard time of the last one is over, even when that ended well before.
+    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep a distance of
+    /// `guard_ms`.
     pub duplicates: u8,
 }
 
