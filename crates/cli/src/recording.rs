@@ -73,7 +73,7 @@ pub(crate) struct Start {
 impl Start {
     /// Such a moment's date and time.
     pub(crate) fn at(&self, time: Duration) -> DateTime<Utc> {
-        if time >= self.time { self.utc + (time - self.time) } else { self.utc - (self.time - time) }
+        self.utc + time.saturating_sub(self.time) - self.time.saturating_sub(time)
     }
 
     fn parse(comment: &str) -> Option<Self> {
@@ -307,7 +307,9 @@ mod tests {
     #[test]
     fn what_was_written_is_read() {
         let mut text = format!("{HEADER}\n# a comment\n\n").into_bytes();
-        entries().iter().for_each(|entry| entry.write(&mut text).unwrap());
+        for entry in entries() {
+            entry.write(&mut text).unwrap();
+        }
         let windows = String::from_utf8(text.clone()).unwrap().replace('\n', "\r\n");
         for text in [text.as_slice(), windows.as_bytes(), &[b"\xEF\xBB\xBF", text.as_slice()].concat()] {
             for piece in [1, 7, 1000] {

@@ -1,6 +1,7 @@
 //! Standard output and standard error, either of which may be a terminal or closed.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 use std::io::{self, BufWriter, IsTerminal, StdoutLock, Write};
 use std::time::Duration;
 
@@ -54,7 +55,9 @@ impl Screen {
             self.out,
             "{}",
             escaped(&value.to_string(), |letter, text| {
-                letter.encode_utf16(&mut [0; 2]).iter().for_each(|unit| *text += &format!("\\u{unit:04x}"));
+                for unit in letter.encode_utf16(&mut [0; 2]) {
+                    let _ = write!(text, "\\u{unit:04x}");
+                }
             })
         )
     }

@@ -117,7 +117,7 @@ impl Link<'_> {
             Some(Wait::Ready) => (READY_TIME, true),
         };
         let began = Instant::now();
-        while began.elapsed() < time && !(until_heard && !self.received.is_empty()) {
+        while began.elapsed() < time && (!until_heard || self.received.is_empty()) {
             if self.signals.is_raised() {
                 return Ok(false);
             }

@@ -92,11 +92,7 @@ impl Telnet {
         for byte in bytes.iter().copied() {
             self.state = match (self.state, byte) {
                 (State::Data, IAC) => State::Command,
-                (State::Data, _) => {
-                    data.push(byte);
-                    State::Data
-                }
-                (State::Command, IAC) => {
+                (State::Data, _) | (State::Command, IAC) => {
                     data.push(byte);
                     State::Data
                 }

@@ -161,7 +161,7 @@ impl Recorder {
             name.push(format!(".{number}"));
             PathBuf::from(name)
         };
-        let free = (1..).map(numbered).find(|name| fs::symlink_metadata(name).is_err());
+        let free = (1..=u32::MAX).map(numbered).find(|name| fs::symlink_metadata(name).is_err());
         let renamed = free.map_or(Ok(()), |free| fs::rename(&self.name, free));
         let created = renamed.and_then(|()| File::create_new(&self.name));
         self.file = Some(created.map_err(|error| self.failed(&error))?);
