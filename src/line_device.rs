@@ -111,7 +111,7 @@ pub struct DeviceInfo {
 pub struct Command {
     /// The device's id; NULL: each device has it. The first command that fits is taken.
     pub id: *const c_char,
-    /// The command's name, of `[a-z0-9]`.
+    /// The command's name, of `[A-Za-z0-9_]`.
     pub name: *const c_char,
     /// What executes it; NULL: it is refused.
     pub run: RunFunc,
@@ -132,7 +132,7 @@ pub struct DeviceTable {
     /// Sends a line.
     pub send: LineSendFunc,
     /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-    /// stands for 3000. It has to be more than the other end waits before it repeats. After that, the same line with
+    /// stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
     /// the same t is a new command.
     pub repeat_ms: c_ulong,
 }

@@ -60,7 +60,7 @@ pub const OLP_RC_RANGE: c_int = 10;
 pub const OLP_RC_NOT_FOUND: c_int = 11;
 /// The first parameter of a line is not `c`, or there is none.
 pub const OLP_RC_NO_COMMAND: c_int = 12;
-/// A name is not of `[a-z0-9]`; a command's may also have `_`.
+/// A name is not of `[A-Za-z0-9_]`, or a parameter is named `s`, as the checksum is.
 pub const OLP_RC_NAME: c_int = 13;
 
 /// Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer.

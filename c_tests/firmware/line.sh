@@ -29,7 +29,7 @@ build() {
 }
 
 # The constant of the library's headers that has this name.
-size_of() { sed -n "s/^#define $1 //p" "$lib/include/libdeltarobot/line_protocol.h"; }
+size_of() { sed -n "s/^#define $1 //p" "$lib/include/libdeltarobot/sizes.h"; }
 
 if [ "$what" = size ]; then
     avr-gcc "-mmcu=$mcu" -E -dM -x c /dev/null -include avr/io.h >"$out/io"

@@ -23,7 +23,8 @@ enum {
     WIDE = OLP_WINDOW_MAX < 8 ? OLP_WINDOW_MAX : 8, /* the larger window */
     COMMANDS = 40,
     ONE_WAY_MS = 120,
-    BOUND_MS = 20000 + 5000 * OLP_WINDOW_MAX, /* by when any command has to have ended, behind all others */
+    /* By when any command has to have ended, behind all others: each may be sent four times, and waited for 2 s. */
+    BOUND_MS = 20000 + 9000 * OLP_WINDOW_MAX,
     SENT_MAX = 1024
 };
 
@@ -377,6 +378,8 @@ static void choose(unsigned long run)
     memset(&settings, 0, sizeof settings);
     if (below(4) == 0)
         settings.timeout_ms = 2 * ONE_WAY_MS + 10 + below(300);
+    settings.recognises = (int)below(2);
+    settings.receive_room = below(2) ? -1 : 0;
     memset(host, 0xA5, sizeof *host);
     CHECK_INT(olp_host_init(host, &settings), OLP_RC_SUCCESS);
     memset(device, 0xA5, sizeof *device);

@@ -172,7 +172,7 @@ static void repeats_are_answered_but_not_executed(void)
     for (i = 0; i < 3 * OLP_WINDOW_MAX; ++i) {
         int back, executed = board.executed;
 
-        now += 2999;
+        now += 4999;
         sprintf(line, "c=setswitch&state=%d&t=%d&id=" ID "\n", i, 10 + i);
         sprintf(answer, "c=setswitch_resp&state=%d&pwm=254&id=" ID "&t=%d\n", i, 11 + i);
         CHECK(answers(line, answer));
@@ -204,12 +204,12 @@ static void repeats_are_answered_but_not_executed(void)
     CHECK(answers("c=setswitch&state=0&t=101&id=" ID "\n", "c=setswitch_resp&state=0&pwm=254&id=" ID "&t=105\n"));
     CHECK_INT(board.executed, 4);
     /* Time. The counter of times wraps in here. */
-    now += 2999;
+    now += 4999;
     CHECK(answers("c=setswitch&state=0&t=101&id=" ID "\n", "c=setswitch_resp&state=0&pwm=254&id=" ID "&t=105\n"));
-    now += 2999;
+    now += 4999;
     CHECK(answers("c=setswitch&state=0&t=101&id=" ID "\n", "c=setswitch_resp&state=0&pwm=254&id=" ID "&t=105\n"));
     CHECK_INT(board.executed, 4);
-    now += 3000;
+    now += 5000;
     CHECK(answers("c=setswitch&state=0&t=101&id=" ID "\n", "c=setswitch_resp&state=0&pwm=254&id=" ID "&t=107\n"));
     CHECK_INT(board.executed, 5);
     /* A linksetup begins anew: a host that starts counting again is heard. */

@@ -81,7 +81,7 @@ static void functions_may_call_again(void)
     CHECK_INT(board.executed, 1);
     /* One that begins anew has nothing to answer. */
     board.reenters = 2;
-    now += 3000;
+    now += 5000;
     receive(SET_ON, (int)strlen(SET_ON));
     CHECK(strncmp(sent, "c=button&id=but.1&t=14\nc=welcome&", 33) == 0);
     CHECK(strstr(sent, "setswitch_resp") == NULL);
@@ -278,6 +278,26 @@ static int init_with(const struct olp_device_info *info, int count)
     return olp_device_init(&device, &table, &usr_object);
 }
 
+/* The page's conversation with acks and checksums, and its full linksetup, longer than the page allows. */
+static void as_the_page_prints_it(void)
+{
+    static const struct olp_device_info MANAGER = {"sf6z34", "OzekiIDManager", 1, NULL, NULL};
+
+    memset(&board, 0, sizeof board);
+    CHECK_INT(init_with(&MANAGER, 1), OLP_RC_SUCCESS);
+    poll_all();
+    sent[0] = '\0';
+    CHECK(answers("c=linksetup&ack=on&checksum=fletcher16&t=2&id=sf6z34\n",
+                  "c=ack&checksum=d293&t=2&id=sf6z34\n"
+                  "c=linksetup_resp&ack=on&checksum=fletcher16&id=sf6z34&t=3\n"));
+    CHECK_INT(init_with(&MANAGER, 1), OLP_RC_SUCCESS);
+    poll_all();
+    sent[0] = '\0';
+    CHECK(answers("c=linksetup&windowsize=1&ack=on&checksum=fletcher16&t=2&id=sf6z34\n",
+                  "c=ack&checksum=7b7f&t=2&id=sf6z34\n"
+                  "c=linksetup_resp&windowsize=1&ack=on&checksum=fletcher16&id=sf6z34&t=3\n"));
+}
+
 static void bad_tables_are_refused(void)
 {
     static const char *const BAD_IDS[] = {NULL, "", "12345678901", "a b", "a&b", "a%b", "\xC3\xA4"};
@@ -389,6 +409,7 @@ int main(void)
         speaks_like_the_sample();
     noise_does_no_harm();
     damaged_devices_do_no_harm();
+    as_the_page_prints_it();
     bad_tables_are_refused();
     bad_arguments_are_refused();
     return check_summary("line_device_calls");

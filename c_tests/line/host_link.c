@@ -17,7 +17,7 @@ static void setting_up(void)
     for (i = 0; i < 4; ++i) {
         CHECK(sends(i % 2 ? "c=linksetup&ack=on&checksum=fletcher16&t=0&id=sf6z34&s=bc91\n"
                           : "c=linksetup&ack=on&checksum=fletcher16&t=0&id=sf6z34\n"));
-        pass(500);
+        time_out();
     }
     CHECK(ended(handle, OLP_HOST_TIMED_OUT));
     /* Acknowledged, so it must be in force. */
@@ -28,7 +28,7 @@ static void setting_up(void)
     for (i = 0; i < 4; ++i) {
         CHECK(tells_nothing());
         CHECK_INT(olp_host_output(&host, out, ALL, now) > 0, i > 0);
-        pass(500);
+        time_out();
     }
     CHECK(ended(handle, OLP_HOST_TIMED_OUT));
     CHECK(linked(1, 1, 1));
@@ -144,6 +144,84 @@ static void device_starts_anew(void)
     comes("c=linksetup_resp&ack=off&checksum=none&id=sf6z34&t=1");
     CHECK(tells(OLP_HOST_LINKSETUP));
     CHECK(ended(setup, OLP_HOST_ANSWERED));
+}
+
+/* What was asked for is asked for again, in front of the next command; of that no end is told. */
+static void a_restarted_device_is_set_up_again(void)
+{
+    int handle;
+
+    begin();
+    comes("c=welcome&id=sf6z34&type=OzekiIDManager");
+    CHECK(tells(OLP_HOST_WELCOME));
+    handle = olp_host_setup(&host, "sf6z34", 1, 1, -1);
+    CHECK(sends("c=linksetup&ack=on&checksum=fletcher16&t=0&id=sf6z34\n"));
+    comes("c=linksetup_resp&ack=on&checksum=fletcher16&id=sf6z34&t=1");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(ended(handle, OLP_HOST_ANSWERED));
+    handle = olp_host_setup(&host, "sf6z34", -1, -1, 2);
+    CHECK(tells_nothing());
+    CHECK(olp_host_output(&host, out, ALL - 1, now) > 0);
+    comes("c=linksetup_resp&windowsize=2&ack=on&checksum=fletcher16&id=sf6z34&t=3");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(ended(handle, OLP_HOST_ANSWERED));
+    CHECK(linked(1, 1, 2));
+
+    comes("c=welcome&id=sf6z34&type=OzekiIDManager");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(linked(0, 0, 1));
+    CHECK(tells(OLP_HOST_WELCOME));
+    handle = asks(SWITCH_ON, "9o5qzg");
+    CHECK(handle > 0);
+    CHECK(sends("c=linksetup&ack=on&checksum=fletcher16&t=1&id=sf6z34\n"));
+    acks_last();
+    CHECK(tells_nothing());
+    comes("c=linksetup_resp&ack=on&checksum=fletcher16&id=sf6z34&t=2");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(linked(1, 1, 1));
+    CHECK(sends("c=linksetup&windowsize=2&t=3&id=sf6z34&s=909e\n"));
+    acks_last();
+    CHECK(tells_nothing());
+    comes("c=linksetup_resp&windowsize=2&ack=on&checksum=fletcher16&id=sf6z34&t=4");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(linked(1, 1, 2));
+    CHECK(sends("c=setswitch&state=1&t=5&id=9o5qzg&s=6fa9\n"));
+    acks_last();
+    CHECK(acked(handle));
+    comes("c=setswitch_resp&state=1&id=9o5qzg&t=6");
+    CHECK(ended(handle, OLP_HOST_ANSWERED));
+
+    /* One that says by itself, before its welcomes or behind them, that it has all of that is not asked. */
+    comes("c=linksetup&windowsize=2&ack=on&checksum=fletcher16&t=0&id=sf6z");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    comes("c=welcome&id=sf6z34&type=OzekiIDManager");
+    CHECK(tells(OLP_HOST_WELCOME));
+    CHECK(linked(1, 1, 2));
+    CHECK(sends(""));
+    CHECK_INT(health().restarts, 2);
+}
+
+/* A device that counts its own messages alone, as the device pages have it. */
+static void numbers_of_each_end_apart(void)
+{
+    char line[64];
+    int i, handle;
+
+    begin();
+    for (i = 0; i < 300; ++i) {
+        sprintf(line, "c=x&t=%d", i & 255);
+        comes(line);
+        CHECK(tells(OLP_HOST_LINE));
+        handle = asks("c=y", "x");
+        CHECK(tells_nothing());
+        CHECK(olp_host_output(&host, out, ALL - 1, now) > 0);
+        comes("c=y_resp&id=x");
+        CHECK(ended(handle, OLP_HOST_ANSWERED));
+    }
+    CHECK_INT(health().lost, 0);
+    comes("c=x&t=47");
+    CHECK(tells(OLP_HOST_LOST));
+    CHECK_INT(event.lost, 3);
 }
 
 static void numbers(void)
@@ -373,6 +451,8 @@ int main(void)
     setting_up();
     if (OLP_DEVICES_MAX >= 2)
         device_starts_anew();
+    a_restarted_device_is_set_up_again();
+    numbers_of_each_end_apart();
     numbers();
     the_table();
     lines_that_are_lost();

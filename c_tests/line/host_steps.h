@@ -24,6 +24,7 @@ static void begin_with(int repeats, int recognises)
     memset(&settings, 0, sizeof settings);
     settings.repeats = repeats;
     settings.recognises = recognises;
+    settings.receive_room = -1;
     now = 0xFFFFFF00ul;
     memset(&host, 0x5A, sizeof host);
     CHECK_INT(olp_host_init(&host, &settings), OLP_RC_SUCCESS);
@@ -51,6 +52,14 @@ static int polled(void)
 {
     memset(&event, 0xA5, sizeof event);
     return olp_host_poll(&host, now, &event);
+}
+
+/* Waits until something is overdue. */
+static void time_out(void)
+{
+    long left = olp_host_next_deadline(&host, now);
+    CHECK(left > 0);
+    pass((unsigned long)left);
 }
 
 /* The next event is of this kind; its message, if it has one, is in event. */
@@ -137,10 +146,10 @@ static void acks_last(void)
     comes(line);
 }
 
-/* The link is set up by the device's own event. */
+/* The link is set up by the device's own event; it recognises repeats. */
 static void begin_linked(const char *linksetup, int ack, int checksum, unsigned int windowsize)
 {
-    begin();
+    begin_with(0, 1);
     comes(linksetup);
     CHECK(tells(OLP_HOST_LINKSETUP));
     CHECK(linked(ack, checksum, windowsize));

@@ -37,7 +37,9 @@ AT(olp_host_settings, answer_ms, LONG);
 AT(olp_host_settings, repeat_ms, 2 * LONG);
 AT(olp_host_settings, repeats, 3 * LONG);
 AT(olp_host_settings, recognises, 3 * LONG + INT);
-SAME(sizeof(struct olp_host_settings), UP(3 * LONG + 2 * INT, unsigned long));
+AT(olp_host_settings, baud, UP(3 * LONG + 2 * INT, unsigned long));
+AT(olp_host_settings, receive_room, UP(3 * LONG + 2 * INT, unsigned long) + LONG);
+SAME(sizeof(struct olp_host_settings), UP(offsetof(struct olp_host_settings, receive_room) + INT, unsigned long));
 
 AT(olp_host_link, ack, 0);
 AT(olp_host_link, checksum, INT);

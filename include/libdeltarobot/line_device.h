@@ -113,7 +113,7 @@ typedef int (*olp_run_func_t)(const struct olp_message *command, struct olp_enco
 struct olp_command {
   /** The device's id; NULL: each device has it. The first command that fits is taken. */
   const char *id;
-  /** The command's name, of `[a-z0-9]`. */
+  /** The command's name, of `[A-Za-z0-9_]`. */
   const char *name;
   /** What executes it; NULL: it is refused. */
   olp_run_func_t run;
@@ -146,7 +146,7 @@ struct olp_device_table {
   olp_send_func_t send;
   /**
    * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-   * stands for 3000. It has to be more than the other end waits before it repeats. After that, the same line with
+   * stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
    * the same t is a new command.
    */
   unsigned long repeat_ms;

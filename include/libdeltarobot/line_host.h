@@ -41,20 +41,22 @@
  * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  * ```
  *
- * What holds for the outcome of a command, if the device recognises repeats:
+ * What holds for the outcome of a command, if the device recognises repeats and the settings say so:
  *
  * ```text
- * acks on, checksums on    ANSWERED: carried out once. REFUSED: not at all. Else once or not at all.
- * acks on, checksums off   the same, if no line to the device is damaged: it carries out what arrives.
- * acks off                 the same, if no line is damaged, none takes longer than timeout_ms there and back, and
- *                          no two commands of one name and id are on their way: an answer tells no number.
+ * acks on, checksums on    ANSWERED: executed once. REFUSED: not at all. Else once or not at all.
+ * acks on, checksums off   the same, if no line to the device is damaged: it executes what arrives.
+ * acks off                 the same, if no line is damaged and none takes longer than a timeout there and back.
  * checksums on             in any case: once or not at all.
  * ```
  *
- * A device that starts anew in between may carry a command out again, and a damaged line has the right checksum once in
- * some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
- * commands are repeated only when the device asks for it, or the settings say that it recognises repeats. The order in
- * which commands are carried out is that of sending while the window is 1; in a larger one, repeated ones fall behind.
+ * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
+ *
+ * A device that restarts in between may execute a command again, and a damaged line has the right checksum once in some
+ * 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
+ * commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no two
+ * of one name and id are out at a time. The order in which commands are executed is that of sending while the window is
+ * 1; in a larger one, retransmitted ones fall behind.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_host.rs by `make header`.
@@ -93,7 +95,7 @@ extern "C" {
 /** Longest version of a device that is kept whole. */
 #define OLP_HOST_VERSION_MAX 15
 /** `unsigned long`s of a session, with some room to spare. */
-#define OLP_HOST_WORDS ((((OLP_LINE_MAX / 4) + (27 * OLP_WINDOW_MAX)) + (31 * OLP_DEVICES_MAX)) + 130)
+#define OLP_HOST_WORDS ((((OLP_LINE_MAX / 4) + (27 * OLP_WINDOW_MAX)) + (31 * OLP_DEVICES_MAX)) + 180)
 
 /**
  * Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
@@ -153,20 +155,33 @@ struct olp_host {
 
 /** Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1. */
 struct olp_host_settings {
-  /** How long an ack may take; 0: 500. (The page gives no times.) */
+  /**
+   * How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
+   * Timeouts follow the measured round trips, and double when nothing comes.
+   */
   unsigned long timeout_ms;
-  /** How long an answer may take, from when the command was sent last; 0: as long as an ack. */
+  /** The same for an answer; 0: as long as for an ack. */
   unsigned long answer_ms;
   /**
-   * How long after a command was sent first it may still be retransmitted; 0: 2000. For longer than this, and the
-   * time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 3000
-   * by default).
+   * How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
+   * time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 5000
+   * by default). Timeouts double up to half of it.
    */
   unsigned long repeat_ms;
   /** How often a command may be retransmitted; 0: 3; below 0: never. */
   int repeats;
-  /** Not 0: the device recognises repeated commands, so that they are retransmitted without acks too. */
+  /**
+   * Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to), so that they are
+   * retransmitted without acks, after their ack, and as soon as the device reports damage.
+   */
   int recognises;
+  /** The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known. */
+  unsigned long baud;
+  /**
+   * Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
+   * below 0: any number.
+   */
+  int receive_room;
 };
 
 /**
@@ -300,8 +315,8 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  * Queues a command for the device id, a string that is encoded as needed.
  *
  * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
- * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has neither a
- * checksum nor parameters named `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
+ * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
+ * parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
  * bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
  * With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
  * optional, write numbers without needless decimals.

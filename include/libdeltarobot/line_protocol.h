@@ -73,7 +73,7 @@ extern "C" {
 #define OLP_RC_NOT_FOUND 11
 /** The first parameter of a line is not `c`, or there is none. */
 #define OLP_RC_NO_COMMAND 12
-/** A name is not of `[a-z0-9]`; a command's may also have `_`. */
+/** A name is not of `[A-Za-z0-9_]`, or a parameter is named `s`, as the checksum is. */
 #define OLP_RC_NAME 13
 /** Bytes of the longest line that a PC sends, its checksum and its line feed counted: a device's serial buffer. */
 #define OLP_COMMAND_MAX 64
@@ -183,7 +183,7 @@ unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length
  *
  * buf stays there until the line is finished; command is NULL or a string.
  *
- * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`, `OLP_RC_TOO_LONG`
  * when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
  *
  * ```c
@@ -217,8 +217,8 @@ int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const cha
  * encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
  * with a zero byte.
  *
- * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
- * when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
+ * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
+ * `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
  * returned.
  *
  * ```c

@@ -18,7 +18,7 @@ use deltarobot_protocols::line::{EncodeError, Encoder};
 ///
 /// buf stays there until the line is finished; command is NULL or a string.
 ///
-/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[a-z0-9_]`, `OLP_RC_TOO_LONG`
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`, `OLP_RC_TOO_LONG`
 /// when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
 ///
 /// ```c
@@ -66,8 +66,8 @@ pub unsafe extern "C" fn olp_begin_command(
 /// encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
 /// with a zero byte.
 ///
-/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty or has other bytes than `[a-z0-9]`, `OLP_RC_TOO_LONG`
-/// when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
+/// `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
 /// returned.
 ///
 /// ```c

@@ -83,7 +83,6 @@ impl Digits {
 }
 
 /// A tenth of a number below 178, rounded down.
-#[expect(clippy::cast_possible_truncation, reason = "below 18")]
 const fn tenth(value: u8) -> u8 {
     ((value as u16).wrapping_mul(103) >> 10) as u8
 }

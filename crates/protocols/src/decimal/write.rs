@@ -19,7 +19,9 @@ pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
         0xFF00_0001.. => b"nan",
         _ => b"",
     };
-    special.iter().for_each(|byte| put(*byte));
+    for byte in special {
+        put(*byte);
+    }
     if !special.is_empty() {
         return;
     }
@@ -81,9 +83,9 @@ impl Digits {
         while left > 0 {
             let bits = left.min(4);
             if up {
-                self.multiply(bits, 0)
+                self.multiply(bits, 0);
             } else {
-                self.divide(bits)
+                self.divide(bits);
             }
             left = left.wrapping_sub(bits);
         }

@@ -40,7 +40,7 @@ pub const ID_MAX: usize = 10;
 /// its own full `linksetup` breaks.
 pub const LINE_MAX: usize = 79;
 /// For how many milliseconds after a command its repeats are expected, by default.
-pub const REPEAT_MS: u32 = 3000;
+pub const REPEAT_MS: u32 = 5000;
 
 /// What an intact command says about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +82,7 @@ pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
     /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
     /// after it.
     refused_setup: u16,
-    /// For how many milliseconds repeats are expected; 0 stands for 3000.
+    /// For how many milliseconds repeats are expected; 0 stands for 5000.
     repeat_ms: u32,
     health: Health,
     answers: Answers<WINDOW, REPLY>,

@@ -19,15 +19,19 @@
 //! - Timed out: neither came, though it was repeated.
 //! - Restarted: the device has started anew meanwhile. A repeat could be executed a second time.
 //!
-//! # Repeats
+//! # Retransmission
 //!
-//! A repeat is the same line with the same `t`, by which the device recognises it, and answers again without executing
-//! it again. It is sent when the ack (with the right checksum, where these are in force) or the answer is
-//! overdue, or at once when the device reports an error that is not about a command it could read: which one it could
-//! not read it can't tell, so it is the oldest that it has not acknowledged.
+//! A command that is sent again is the same line with the same `t`, by which some devices recognise it, and answer again
+//! without executing it again. Public boards are not known to, so that is assumed of a device only when
+//! [`Settings::recognises`] says so. Of others, a command is sent again when its ack (with the right checksum, where
+//! these are in force) is overdue, or at once when the device reports damage, a single command is out and it was sent
+//! once: a line that falls apart is reported more than once, and of several commands it is not known which was damaged.
+//! A device that recognises repeats is sent the oldest that it has not acknowledged at once, and a command whose answer
+//! is overdue, with acks or without. `linksetup` always is, as doing that twice is no harm.
 //!
-//! Without acks nothing is repeated for being overdue, unless [`Settings::recognises`] says that the device knows
-//! repeats; but `linksetup` always is, as doing that twice is no harm.
+//! Timeouts follow the round trips that were measured (RFC 6298) and the line's speed. No more bytes are sent than the
+//! device's receive buffer takes beside those that it has not answered yet. Without acks, no two commands of one name
+//! and id are out at a time.
 //!
 //! With a window of more than 1, a repeated command is executed behind later ones. Where the order matters, wait.
 //!
@@ -48,7 +52,7 @@
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};
 //!
-//! let mut host = Host::<256, 8, 16>::new(Settings::new());
+//! let mut host = Host::<256, 9, 16>::new(Settings::new());
 //! let handle = host.send(b"c=setswitch&state=1", b"9o5qzg").unwrap();
 //! let mut line = [0; 64];
 //! let length = host.output(&mut line, 64, 0);
@@ -61,12 +65,14 @@
 //! ```
 
 mod counter;
+mod estimator;
 mod event;
 mod health;
 mod incoming;
 mod output;
 mod queue;
 mod settings;
+mod setup_again;
 mod slot;
 mod table;
 mod timers;
@@ -78,18 +84,20 @@ use super::message::Message;
 use super::receiver::{Received, Receiver};
 use crate::session::{Flags, count};
 use counter::Counter;
+use estimator::Estimator;
 use event::Pending;
 pub use event::{Dropped, Event, Outcome};
 pub use health::Health;
 pub use queue::QueueError;
 use settings::Told;
 pub use settings::{Link, Settings};
+use setup_again::Wanted;
 use slot::Slot;
 use table::Devices;
 pub use table::{Device, ID_MAX, Listed, NAME_MAX, TYPE_MAX, VERSION_MAX};
 
 /// A host session. All zero is a new one with default settings. `LINE` is one byte more than the longest line that is
-/// received; `WINDOW` commands are kept at a time, and `DEVICES` devices.
+/// received; `WINDOW` commands are kept at a time, one of them the session's own, and `DEVICES` devices.
 #[derive(Clone, Debug, FromBytes)]
 pub struct Host<const LINE: usize, const WINDOW: usize, const DEVICES: usize> {
     receiver: Receiver<LINE>,
@@ -103,6 +111,11 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     health: Health,
     /// When bytes were received last.
     heard_at: u32,
+    /// When a line was fetched last, and how long from then on what was fetched leaves.
+    fetched_at: u32,
+    backlog: u32,
+    acks: Estimator,
+    answers: Estimator,
     link: Link,
     /// Place in the order and handle of the command queued last.
     order: u32,
@@ -126,6 +139,7 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     partial: u8,
     /// Not 0: the device has just said what is in force.
     own_setup: u8,
+    wanted: Wanted,
     counter: Counter,
     slots: [Slot; WINDOW],
     devices: Devices<DEVICES>,
@@ -135,11 +149,15 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// A session that has just begun.
     #[must_use]
     pub const fn new(settings: Settings) -> Self {
-        const { assert!(0 < WINDOW && WINDOW <= 64) }
+        const { assert!(1 < WINDOW && WINDOW <= 65) }
         let session = Session {
             settings,
             health: Health::new(),
             heard_at: 0,
+            fetched_at: 0,
+            backlog: 0,
+            acks: Estimator::new(),
+            answers: Estimator::new(),
             link: Link::new(),
             order: 0,
             handle: 0,
@@ -154,6 +172,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
             handled: 0,
             partial: 0,
             own_setup: 0,
+            wanted: Wanted::new(),
             counter: Counter::new(),
             slots: [const { Slot::new() }; WINDOW],
             devices: Devices::new(),
@@ -249,7 +268,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// How many commands may be unanswered.
     fn window(&self) -> u32 {
-        let most = u32::try_from(WINDOW).unwrap_or_default();
+        let most = u32::try_from(WINDOW.saturating_sub(1)).unwrap_or_default();
         u32::from(self.link.windowsize()).min(most)
     }
 }
@@ -262,7 +281,7 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
-    type Host = super::Host<256, 8, 16>;
+    type Host = super::Host<256, 9, 16>;
 
     #[test]
     fn a_line_came_when_it_was_taken() {

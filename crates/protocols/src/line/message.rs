@@ -181,11 +181,13 @@ pub struct Params<'a> {
 
 impl<'a> Params<'a> {
     /// Those of a line without its end.
+    #[must_use]
     pub const fn of(line: &'a [u8]) -> Self {
         Self { rest: line }
     }
 
     /// See [`Message::find`].
+    #[must_use]
     pub fn find_named(mut self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
         let mut before = occurrence;
         self.find(|param| {

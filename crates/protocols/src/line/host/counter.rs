@@ -2,7 +2,8 @@
 //!
 //! The page counts the messages of both ends together, acks excepted, so the next number is one more than the last
 //! that was sent or seen. Both ends send when they like: a number that is not ahead is of a message that crossed one
-//! of ours, and means nothing.
+//! of ours, and means nothing. The device pages count each direction apart: a device does when its numbers go up one by
+//! one whatever we send.
 
 use zerocopy::FromBytes;
 
@@ -24,6 +25,10 @@ pub(super) struct Counter {
     counts: u8,
     /// Not 0: a number of the device's is known, from which gaps are counted.
     heard: u8,
+    /// The newest of the device's numbers.
+    last: u8,
+    /// Not 0: the device counts its own messages alone, as the device pages have it.
+    apart: u8,
 }
 
 /// A command that the device may remember.
@@ -36,7 +41,16 @@ struct Recent {
 
 impl Counter {
     pub(super) const fn new() -> Self {
-        Self { recent: [Recent { sum: 0, t: 0, used: 0 }; RECENT], advanced: 0, place: 0, next: 0, counts: 0, heard: 0 }
+        Self {
+            recent: [Recent { sum: 0, t: 0, used: 0 }; RECENT],
+            advanced: 0,
+            place: 0,
+            next: 0,
+            counts: 0,
+            heard: 0,
+            last: 0,
+            apart: 0,
+        }
     }
 
     /// By how much the number has advanced so far.
@@ -58,9 +72,23 @@ impl Counter {
             self.next = t;
         }
         self.counts = 1;
-        let ahead = t.wrapping_sub(self.next).cast_signed();
-        let missing = if self.heard != 0 { u8::try_from(ahead).unwrap_or_default() } else { 0 };
+        let (mut missing, mut is_newest) = (0, true);
+        if self.heard != 0 {
+            let together = t.wrapping_sub(self.next).cast_signed();
+            let apart = t.wrapping_sub(self.last).wrapping_sub(1).cast_signed();
+            if together == 0 {
+                self.apart = 0;
+            } else if apart == 0 {
+                self.apart = 1;
+            } else {
+                missing = u8::try_from(if self.apart == 0 { together } else { apart }).unwrap_or_default();
+            }
+            is_newest = apart >= 0;
+        }
         self.heard = 1;
+        if is_newest {
+            self.last = t;
+        }
         self.advance_behind(t);
         missing
     }
@@ -70,6 +98,7 @@ impl Counter {
         self.next = 0;
         self.counts = 0;
         self.heard = 0;
+        self.apart = 0;
     }
 
     /// Chooses the number of a new command. `sum` is the checksum that the command has with a number, or `None` when
@@ -132,6 +161,18 @@ mod tests {
         assert_eq!(counter.next(), 17);
         counter.restart();
         assert_eq!((counter.saw(40), counter.saw(41)), (0, 0));
+    }
+
+    #[test]
+    fn a_device_that_counts_its_own_messages_alone() {
+        let mut counter = Counter::new();
+        assert_eq!((0..4).map(|t| counter.saw(t)).sum::<u8>(), 0);
+        for t in 4..250 {
+            counter.sends(counter.choose(|t| Some(t.into())).unwrap(), 7);
+            counter.sends(counter.choose(|t| Some(t.into())).unwrap(), 8);
+            assert_eq!(counter.saw(t), 0, "{t}");
+        }
+        assert_eq!((counter.saw(253), counter.saw(254), counter.saw(255), counter.saw(1)), (3, 0, 0, 1));
     }
 
     #[test]

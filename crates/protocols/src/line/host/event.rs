@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_place_that_does_not_exist_is_not_reported() {
-        let mut session = Host::<81, 1, 16>::new(Settings::new()).session;
+        let mut session = Host::<81, 2, 16>::new(Settings::new()).session;
         session.set_listed(Listed::Cut(15));
         assert_eq!(session.listed(), Listed::Cut(15));
         for place in [16, 255] {

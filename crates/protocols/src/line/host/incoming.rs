@@ -1,6 +1,7 @@
 //! What a line from the device means.
 
 use super::event::Pending;
+use super::setup_again::OWN_HANDLE;
 use super::{Link, Message, Outcome, Session, Slot};
 use crate::line::device::Fault;
 use crate::line::message::same;
@@ -16,13 +17,14 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                 count(&mut self.health.overlong);
                 self.pending.set(Pending::TooLong);
             }
-            Received::Line(line) => match Message::parse(line) {
-                Ok(message) => self.dispatch(&message, now),
-                Err(_) => {
+            Received::Line(line) => {
+                if let Ok(message) = Message::parse(line) {
+                    self.dispatch(&message, now);
+                } else {
                     count(&mut self.health.malformed);
                     self.pending.set(Pending::Malformed);
                 }
-            },
+            }
         }
     }
 
@@ -103,11 +105,16 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             }
         }
         if slot.acknowledge() {
-            self.concerned = slot.handle();
-            self.pending.set(Pending::Acked);
+            if slot.handle() != OWN_HANDLE {
+                self.concerned = slot.handle();
+                self.pending.set(Pending::Acked);
+            }
             if slot.sent() == 1 {
                 self.health.round_trips.add(slot.elapsed(heard_at));
+                self.acks.add(slot.waited(heard_at));
             }
+            let handle = slot.handle();
+            self.heard_of(handle);
         }
     }
 
@@ -117,8 +124,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let name = message.command();
         let is_setup = name.is(b"linksetup_resp");
         let needs_ack = self.link.acks() && !is_setup;
-        // Without acks nothing is promised on a line that does damage, and some devices encode less than they should.
-        let id = if needs_ack { only(message, b"id") } else { message.get(b"id") };
+        // Some devices encode less than they should: without acks, what two lines that ran together look like is enough.
+        let id = if needs_ack { only(message, b"id") } else { message.get(b"id").filter(|_| !is_joined(message)) };
         let told = if is_setup { Link::of(message) } else { None };
         let slot = Self::oldest(&mut self.slots, self.order, |slot| {
             let asked = if is_setup { slot.asks_for() } else { None };
@@ -132,10 +139,14 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         });
         let found = slot.is_some();
         if let Some(slot) = slot {
-            if slot.sent() == 1 && !slot.is_acked() {
-                self.health.round_trips.add(slot.elapsed(heard_at));
+            if slot.sent() == 1 {
+                if !slot.is_acked() {
+                    self.health.round_trips.add(slot.elapsed(heard_at));
+                }
+                self.answers.add(slot.waited(heard_at));
             }
             let handle = slot.handle();
+            self.heard_of(handle);
             self.end(handle, Outcome::Answered);
         } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
             count(&mut self.health.strays);
@@ -143,6 +154,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         if let Some(told) = told.filter(|told| found || told.ack.is_some() && told.checksum.is_some()) {
             self.link.adopt(told, self.asked);
             self.pending.set(Pending::Linksetup);
+            self.ask_next();
         }
         found
     }
@@ -179,6 +191,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // What was refused may be a damaged repeat of what was executed.
         if slot.sent() == 1 || link.checks() {
             let handle = slot.handle();
+            self.heard_of(handle);
             self.end(handle, outcome);
         }
     }
@@ -201,7 +214,9 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }
         if slot.is_waiting() {
             let handle = slot.handle();
-            let certain = needed || self.settings.recognises != 0 || out == 1;
+            // A line that falls apart is reported more than once, and of several commands it is not known which was
+            // damaged: a device that does not recognise repeats would execute one twice.
+            let certain = self.settings.recognises != 0 || out == 1 && slot.sent() == 1;
             self.retransmit_now(handle, certain, now);
         }
     }
@@ -232,6 +247,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             self.link = link;
             self.pending.set(Pending::Linksetup);
         }
+        self.ask_again();
     }
 
     /// The slot of those that has waited longest.
@@ -243,14 +259,19 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 /// The parameter `t` or `id`, if the line is in one piece and there is no second of either: where an end was damaged,
 /// what is said about one command would be taken for what is said about another.
 fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
-    let has_second = |name: &[u8]| message.find(name, 1).is_some();
-    message.get(name).filter(|_| !is_torn(message) && !has_second(b"t") && !has_second(b"id"))
+    message.get(name).filter(|_| !is_torn(message) && !is_joined(message))
 }
 
 /// Whether there is a `=` in a value: nobody sends it unencoded, but where a separator or an end was damaged it is
 /// there.
 fn is_torn(message: &Message<'_>) -> bool {
     message.params().any(|param| param.value.raw().iter().any(|byte| matches!(byte, b'=')))
+}
+
+/// Whether it looks like two lines that lost the end between them.
+fn is_joined(message: &Message<'_>) -> bool {
+    let has_bad_t = message.get(b"t").is_some_and(|t| t.byte().is_none());
+    has_bad_t || message.find(b"t", 1).is_some() || message.find(b"id", 1).is_some()
 }
 
 /// The last parameter of a name: the link's own are behind the others.

@@ -2,6 +2,7 @@
 
 use super::event::Pending;
 use super::{COMMAND_MAX, Outcome, Session, Slot};
+use crate::session::left;
 
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// Writes the next line to send, if it fits in that room, and returns its length; 0 when there is none.
@@ -10,7 +11,12 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // Each command once, until there is one to send.
         for _ in 0..WINDOW {
             let Some(slot) = self.next_to_send().and_then(|index| self.slots.get_mut(index)) else { break };
-            let first = slot.is_queued();
+            let (first, handle) = (slot.is_queued(), slot.handle());
+            if !first && !slot.is_linksetup() && !slot.is_recent(now, self.settings.repeat(), self.counter.advanced()) {
+                // It had to wait for others until the device may have forgotten it.
+                self.end(handle, Outcome::TimedOut);
+                continue;
+            }
             let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t()) };
             let Some(t) = t else {
                 slot.end(Outcome::TooLong);
@@ -38,22 +44,31 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                 }
             }
             self.lines = self.lines.wrapping_add(1);
-            slot.sent_as(checksum, self.lines, now);
+            let time = self.settings.line_time(u16::try_from(length).unwrap_or_default());
+            self.backlog = left(now, self.fetched_at, self.backlog).saturating_add(time);
+            self.fetched_at = now;
+            slot.sent_as(checksum, self.lines, length, now, self.backlog);
             return length;
         }
         0
     }
 
-    /// Where the command is that is to be sent next: retransmissions first.
-    fn next_to_send(&self) -> Option<usize> {
+    /// Where the command is that is to be sent next, retransmissions first; `None` while it does not fit the device's
+    /// receive buffer beside those that may still lie there.
+    pub(super) fn next_to_send(&self) -> Option<usize> {
         let any_due = self.slots.iter().any(Slot::is_due);
         let slots = self.slots.iter().enumerate();
         let may_go = slots.filter(|(_, slot)| if any_due { slot.is_due() } else { self.may_leave(slot) });
-        may_go.max_by_key(|(_, slot)| slot.age(self.order)).map(|(index, _)| index)
+        let (index, slot) = may_go.max_by_key(|(_, slot)| slot.age(self.order))?;
+        let acks = self.link.acks();
+        let others = self.slots.iter().filter(|other| !core::ptr::eq(*other, slot));
+        let in_flight = others.fold(0_u32, |sum, other| sum.saturating_add(other.in_flight(acks)));
+        let fits = in_flight.saturating_add(slot.longest(self.link.checks())) <= self.settings.room();
+        (in_flight == 0 || fits).then_some(index)
     }
 
     /// Whether a queued command's turn has come.
-    pub(super) fn may_leave(&self, slot: &Slot) -> bool {
+    fn may_leave(&self, slot: &Slot) -> bool {
         // Those before it.
         slot.is_queued()
             && self.slots.iter().all(|other| {
@@ -61,6 +76,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                 let bars = other.is_queued()
                     || other.is_linksetup()
                     || slot.is_linksetup()
+                    // Without acks only the answer says which of them was executed.
+                    || !self.link.acks() && other.is_like(slot)
                     || self.behind(other, slot) >= self.window();
                 !(ahead && other.is_going_on() && bars)
             })

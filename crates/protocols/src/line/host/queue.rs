@@ -1,7 +1,7 @@
 //! Commands that are to be sent.
 
-use super::Host;
-use crate::line::{COMMAND_MAX, EncodeError, Encoder};
+use super::setup_again::{OWN_HANDLE, setup_line};
+use super::{COMMAND_MAX, Host, Told};
 
 /// Why a command was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,9 +35,19 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
                 break;
             }
         }
+        // One is left for a linksetup of the session's own.
+        let kept = slots.iter().filter(|slot| !slot.is_free() && slot.handle() != OWN_HANDLE).count();
+        if kept >= WINDOW.wrapping_sub(1) {
+            return Err(QueueError::Busy);
+        }
         let slot = slots.iter_mut().find(|slot| slot.is_free()).ok_or(QueueError::Busy)?;
         let order = session.order.wrapping_add(1);
         slot.queue(command, id, checksum, order, handle)?;
+        if slot.is_linksetup()
+            && let Some(asked) = slot.asks_for()
+        {
+            session.wanted.add(asked, id);
+        }
         (session.order, session.handle) = (order, handle);
         Ok(handle)
     }
@@ -55,20 +65,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
         windowsize: Option<u16>,
     ) -> Result<u16, QueueError> {
         let mut room = [0; COMMAND_MAX];
-        let mut encoder = Encoder::command(&mut room, b"linksetup");
-        if let Some(windowsize) = windowsize {
-            encoder.word(b"windowsize", windowsize);
-        }
-        if let Some(ack) = ack {
-            encoder.text(b"ack", if ack { b"on" } else { b"off" });
-        }
-        if let Some(checksum) = checksum {
-            encoder.text(b"checksum", if checksum { b"fletcher16" } else { b"none" });
-        }
-        let length = encoder.length();
-        if encoder.error() == Some(EncodeError::TooLong) {
-            return Err(QueueError::TooLong);
-        }
+        let length = setup_line(&mut room, Told { ack, checksum, windowsize })?;
         self.send(room.get(..length).unwrap_or_default(), id)
     }
 }
@@ -79,7 +76,7 @@ mod tests {
     use crate::line::host::{Settings, Slot};
 
     const WINDOW: usize = 8;
-    type Host = super::Host<81, WINDOW, 1>;
+    type Host = super::Host<81, { WINDOW + 1 }, 1>;
 
     #[test]
     fn handles_are_those_of_no_other_command() {

@@ -8,24 +8,28 @@ use crate::session::{span, times};
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
 #[derive(Clone, Copy, Debug, Default, FromBytes)]
 pub struct Settings {
-    /// How long an ack may take; 0: 500. (The page gives no times.)
+    /// How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
     pub timeout_ms: u32,
-    /// How long an answer may take, from when the command was sent last; 0: as long as an ack.
+    /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: u32,
-    /// How long after a command was sent first it may still be retransmitted; 0: 2000. For longer than this, and the
+    /// How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
     /// time that a line may be on its way, a device has to remember which commands it has executed.
     pub repeat_ms: u32,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: i16,
     /// Not 0: the device recognises repeated commands, so that they are retransmitted without acks too.
     pub recognises: u8,
+    /// The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known.
+    pub baud: u32,
+    /// Bytes that the device's receive buffer takes; 0: 63, as an Arduino's; below 0: any number.
+    pub receive_room: i16,
 }
 
 impl Settings {
     /// The default.
     #[must_use]
     pub const fn new() -> Self {
-        Self { timeout_ms: 0, answer_ms: 0, repeat_ms: 0, repeats: 0, recognises: 0 }
+        Self { timeout_ms: 0, answer_ms: 0, repeat_ms: 0, repeats: 0, recognises: 0, baud: 0, receive_room: 0 }
     }
 
     pub(super) fn timeout(&self) -> u32 {
@@ -37,7 +41,20 @@ impl Settings {
     }
 
     pub(super) fn repeat(&self) -> u32 {
-        span(self.repeat_ms, 2000)
+        span(self.repeat_ms, 4000)
+    }
+
+    /// How long so many bytes are on the line, of 10 bits each, rounded up.
+    pub(super) fn line_time(&self, bytes: u16) -> u32 {
+        let bits = u32::from(bytes).saturating_mul(10_000);
+        bits.saturating_add(self.baud.saturating_sub(1)).checked_div(self.baud).unwrap_or_default()
+    }
+
+    pub(super) fn room(&self) -> u32 {
+        match self.receive_room {
+            0 => 63,
+            room => u32::try_from(room).unwrap_or(u32::MAX),
+        }
     }
 
     pub(super) fn repeats(&self) -> u8 {
@@ -141,12 +158,17 @@ mod tests {
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut settings = Settings::new();
-        assert_eq!((settings.timeout(), settings.answer(), settings.repeat()), (500, 500, 2000));
+        assert_eq!((settings.timeout(), settings.answer(), settings.repeat()), (500, 500, 4000));
         assert_eq!(settings.repeats(), 3);
         (settings.timeout_ms, settings.repeats) = (u32::MAX, 1000);
         assert_eq!((settings.timeout(), settings.answer(), settings.repeats()), (0x7FFF_FFFF, 0x7FFF_FFFF, 254));
         (settings.answer_ms, settings.repeats) = (900, -1);
         assert_eq!((settings.answer(), settings.repeats()), (900, 0));
+        assert_eq!((settings.line_time(64), settings.room()), (0, 63));
+        (settings.baud, settings.receive_room) = (2400, -1);
+        assert_eq!((settings.line_time(24), settings.line_time(25), settings.room()), (100, 105, u32::MAX));
+        (settings.baud, settings.receive_room) = (u32::MAX, 128);
+        assert_eq!((settings.line_time(24), settings.room()), (1, 128));
     }
 
     #[test]

@@ -16,6 +16,10 @@ pub(super) struct Slot {
     /// When it was sent first.
     first_at: u32,
     transmission: Transmission,
+    /// When it began to wait for what comes next: when its line was fetched, or an older command was heard of.
+    since: u32,
+    /// How long from then on its line was not on the wire yet.
+    delay: u32,
     /// Its place in the order in which commands are queued.
     order: u32,
     /// Places of its first and last line in the order in which lines are sent.
@@ -35,6 +39,8 @@ pub(super) struct Slot {
     t: u8,
     /// Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
     flags: u8,
+    /// Bytes of the line that was sent last.
+    length: u8,
     /// Lengths of the two parts of the text.
     command_length: u8,
     id_length: u8,
@@ -67,6 +73,8 @@ impl Slot {
         Self {
             first_at: 0,
             transmission: Transmission::new(),
+            since: 0,
+            delay: 0,
             order: 0,
             first_line: 0,
             last_line: 0,
@@ -77,6 +85,7 @@ impl Slot {
             outcome: 0,
             t: 0,
             flags: 0,
+            length: 0,
             command_length: 0,
             id_length: 0,
             overtaken: 0,
@@ -186,14 +195,16 @@ impl Slot {
         self.flags &= LINKSETUP;
     }
 
-    /// It was sent, as the line of that place in the order of all.
-    pub(super) fn sent_as(&mut self, checksum: bool, line: u32, now: u32) {
+    /// It was sent, as the line of that place in the order of all, and will have left after `delay`.
+    pub(super) fn sent_as(&mut self, checksum: bool, line: u32, length: usize, now: u32, delay: u32) {
         if self.sent() == 0 {
             self.first_line = line;
         }
         self.last_line = line;
+        self.length = u8::try_from(length).unwrap_or(u8::MAX);
         self.stage = SENT;
         self.transmission.send(now);
+        (self.since, self.delay) = (now, delay);
         self.flags = if checksum { self.flags | SUMMED } else { self.flags & !SUMMED };
     }
 
@@ -201,6 +212,7 @@ impl Slot {
     pub(super) fn skip_retransmission(&mut self, now: u32) {
         self.stage = SENT;
         self.transmission.send(now);
+        (self.since, self.delay) = (now, 0);
     }
 
     /// Places of its first line and its last.
@@ -244,9 +256,26 @@ impl Slot {
         Outcome::of(self.outcome)
     }
 
-    /// How much of `span` is left since it was sent last.
+    /// How much of `span` is left, for which it waits once its line has left.
     pub(super) fn left(&self, now: u32, span: u32) -> u32 {
-        self.transmission.left(now, span)
+        left(now, self.since, span.saturating_add(self.delay))
+    }
+
+    /// How long it has waited.
+    pub(super) const fn waited(&self, at: u32) -> u32 {
+        at.wrapping_sub(self.since).saturating_sub(self.delay)
+    }
+
+    /// An older command was heard of: before, nothing can have been heard of this one.
+    pub(super) const fn older_heard(&mut self, at: u32) {
+        if self.waited(at) > 0 {
+            (self.since, self.delay) = (at, 0);
+        }
+    }
+
+    /// Bytes that may lie in the device's receive buffer.
+    pub(super) fn in_flight(&self, acks: bool) -> u32 {
+        if self.is_waiting() && !(acks && self.is_acked()) { self.length.into() } else { 0 }
     }
 
     /// Whether it is so little since it was sent first that the device still remembers it.

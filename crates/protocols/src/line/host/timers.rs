@@ -1,13 +1,17 @@
 //! Timeouts: retransmitting, giving up.
 
 use super::event::Pending;
+use super::setup_again::OWN_HANDLE;
 use super::{Outcome, Session, Slot};
 use crate::session::count;
+
+/// Bytes of an ack and an answer, about.
+const REPLY_MAX: u16 = 192;
 
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// How long until something is to be done; `None` when nothing is.
     pub(super) fn next_deadline(&self, now: u32) -> Option<u32> {
-        if self.slots.iter().any(|slot| slot.is_due() || self.may_leave(slot)) {
+        if self.next_to_send().is_some() {
             return Some(0);
         }
         self.slots.iter().filter_map(|slot| self.time_left(slot, now)).min()
@@ -15,19 +19,32 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 
     /// Does what is due.
     pub(super) fn on_timer(&mut self, now: u32) {
+        let (mut ack_overdue, mut answer_overdue) = (false, false);
         // Each of them once.
         for _ in 0..WINDOW {
             let Some(slot) = self.slots.iter().find(|slot| self.time_left(slot, now) == Some(0)) else { break };
             let handle = slot.handle();
             count(&mut self.health.timeouts);
-            // Without acks, a device may have executed it and not recognise it.
-            let safe = self.link.acks() || self.settings.recognises != 0 || slot.is_linksetup();
+            // A device that has acknowledged it executes it again, and without acks it may have executed it.
+            let unheard = self.link.acks() && !slot.is_acked();
+            let safe = unheard || self.settings.recognises != 0 || slot.is_linksetup();
+            if self.needs_ack(slot) {
+                ack_overdue = true;
+            } else {
+                answer_overdue = true;
+            }
             if !(safe && self.may_retransmit(slot, now)) {
                 self.give_up(handle);
             } else if let Some(slot) = self.slot(handle) {
                 slot.retransmit();
                 count(&mut self.health.repeats);
             }
+        }
+        if ack_overdue {
+            self.acks.back_off();
+        }
+        if answer_overdue {
+            self.answers.back_off();
         }
     }
 
@@ -51,10 +68,28 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         self.slots.iter_mut().find(|slot| slot.is_out() && slot.handle() == handle)
     }
 
+    /// Whether an ack is what it waits for.
+    fn needs_ack(&self, slot: &Slot) -> bool {
+        self.link.acks() && !slot.is_acked() && !slot.is_linksetup()
+    }
+
     fn time_left(&self, slot: &Slot, now: u32) -> Option<u32> {
-        let needs_ack = self.link.acks() && !slot.is_acked() && !slot.is_linksetup();
-        let span = if needs_ack { self.settings.timeout() } else { self.settings.answer() };
-        slot.is_waiting().then(|| slot.left(now, span))
+        let settings = &self.settings;
+        let (least, estimator) =
+            if self.needs_ack(slot) { (settings.timeout(), &self.acks) } else { (settings.answer(), &self.answers) };
+        // Besides, the longest reply has to come.
+        let least = least.saturating_add(settings.line_time(REPLY_MAX));
+        slot.is_waiting().then(|| slot.left(now, estimator.timeout(least, settings.repeat() >> 1)))
+    }
+
+    /// Something was heard of a command, at `heard_at`: only now can anything be heard of those behind it.
+    pub(super) fn heard_of(&mut self, handle: u16) {
+        let Some(age) = self.slot(handle).map(|slot| slot.order()) else { return };
+        let (order, at) = (self.order, self.heard_at);
+        let age = order.wrapping_sub(age);
+        for newer in self.slots.iter_mut().filter(|newer| newer.is_out() && newer.age(order) < age) {
+            newer.older_heard(at);
+        }
     }
 
     fn give_up(&mut self, handle: u16) {
@@ -69,6 +104,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                 self.link.adopt(setup, 1);
             }
             self.link.set_windowsize(1);
+            self.ask_next();
         }
     }
 
@@ -77,8 +113,13 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let (order, newest) = (self.order, self.lines);
         let Some(slot) = self.slot(handle) else { return };
         slot.end(outcome);
+        if handle == OWN_HANDLE {
+            slot.release();
+        }
         let (age, (first, last)) = (slot.age(order), slot.lines());
-        self.pending.set(Pending::Ended);
+        if handle != OWN_HANDLE {
+            self.pending.set(Pending::Ended);
+        }
         if first == last {
             return;
         }

@@ -3,6 +3,7 @@
 use super::{LINKSETUP, Slot};
 use crate::line::encoder::{is_name, is_param_name};
 use crate::line::host::{Link, QueueError, Told};
+use crate::line::message::same;
 use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
 
 impl Slot {
@@ -45,6 +46,18 @@ impl Slot {
     fn name(&self) -> &[u8] {
         let behind = self.command().get(b"c=".len()..).unwrap_or_default();
         behind.split(|byte| *byte == b'&').next().unwrap_or_default()
+    }
+
+    /// Whether it has the same name and is for the same device, so that an answer may be either's.
+    pub(in crate::line::host) fn is_like(&self, other: &Self) -> bool {
+        same(self.name(), other.name()) && same(self.id().raw(), other.id().raw())
+    }
+
+    /// Bytes of the line at most.
+    pub(in crate::line::host) fn longest(&self, checksum: bool) -> u32 {
+        let added = if checksum { "&t=255&id=\n&s=xxxx".len() } else { "&t=255&id=\n".len() };
+        let length = added.saturating_add(self.command_length.into()).saturating_add(self.id_length.into());
+        u32::try_from(length).unwrap_or(u32::MAX)
     }
 
     /// Whether a message is about the same device.
