@@ -73,7 +73,7 @@ pub fn inverse<R: Real>(geometry: &Geometry, pose: [f32; 3]) -> Result<[f32; 3],
     if lengths.iter().all(|length| length.is_finite()) { Ok(lengths) } else { Err(Error::Input) }
 }
 
-/// The pose at which the legs have these `lengths`, met to within a millionth of the longest.
+/// The pose at which the legs have these `lengths`, met to within a hundred-thousandth of their sum.
 ///
 /// A pose mirrored at the plane A1A2A3 has the same lengths: the one on the side that (A3 - A1) × (A2 - A1) points to is
 /// returned. Near the base there can be more of them on that side: then it is the one that Newton's method finds from
@@ -98,7 +98,10 @@ pub fn forward<R: Real>(geometry: &Geometry, lengths: [f32; 3]) -> Result<[f32; 
     let Place { x, r, mw, mn } = found.ok_or(Error::NoPose)?;
     let w = scale(add(scale(base.m, mw), scale(cross(base.a, base.m), mn)), R::ONE / (m * m));
     let pose = add(base.origin, add(scale(base.a, x), scale(w, r))).map(R::to_f32);
-    if pose.iter().all(|coordinate| coordinate.is_finite()) { Ok(pose) } else { Err(Error::Input) }
+    // Where leg 2 is nearly perpendicular to the plane, rounding a pose can turn the edge.
+    let met = inverse::<R>(geometry, pose)?.map(R::from);
+    let is_met = size(sub(met, [q1, q2, q3])) <= size([q1, q2, q3]) * R::from(1e-5);
+    if is_met { Ok(pose) } else { Err(Error::NoPose) }
 }
 
 /// Where Newton's method starts, until it gets somewhere: r, in sums of the lengths, and the tangent of the angle by
