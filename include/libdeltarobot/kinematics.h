@@ -67,7 +67,7 @@ int dp_kinematics_inverse(const struct dp_robot_configuration *configuration, co
  * The pose is on the side of the plane A1A2A3 that (A3 - A1) x (A2 - A1) points to; its mirror image has the same
  * lengths. Where more poses have them, as happens close to the base, it is nearly always the farthest from there.
  *
- * Returns `DP_RC_SUCCESS` and the pose, at which the lengths differ by a millionth of the longest at most;
+ * Returns `DP_RC_SUCCESS` and the pose, at which the lengths differ by at most a hundred-thousandth of their sum;
  * `DP_RC_NO_POSE` when no pose has these lengths, or A1, A2 and A3 are in line; or `DP_RC_ERROR_GENERIC` as
  * `dp_kinematics_inverse` does. On an error, pose is left as it was.
  *
