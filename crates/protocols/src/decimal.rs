@@ -3,6 +3,10 @@
 //! A float is an integer times a power of two, so its decimal expansion ends: at most 39 digits before the point and
 //! 149 behind it. All of them are worked out, then rounded.
 
+use core::hint::black_box;
+
+use zerocopy::IntoBytes;
+
 mod read;
 mod write;
 
@@ -15,20 +19,26 @@ const WHOLE: usize = 40;
 const SIZE: usize = WHOLE + 150;
 
 /// A decimal number with a fixed point.
-struct Digits {
+struct Digits<'a> {
     /// One digit a byte; those outside of `first..end` are zero.
-    digit: [u8; SIZE],
+    digit: &'a mut [u8],
     first: usize,
     end: usize,
     /// Whether there is more than the digits say, less than a unit of the last.
     more: bool,
 }
 
-impl Digits {
-    #[inline(always)]
-    fn zero() -> Self {
-        // Not `[0; SIZE]`, which would be a call of memset; and inlined, or it would be copied by one of memcpy.
-        Self { digit: core::array::from_fn(|_| 0), first: WHOLE, end: WHOLE, more: false }
+/// Room for digits, all zero. The compiler is not told so, nor that they are bytes: of `[0_u8; SIZE]` it would make a call
+/// of memset or memcpy, which nobody may have.
+#[inline(always)]
+fn zeros() -> [u16; SIZE / 2] {
+    [black_box(0); SIZE / 2]
+}
+
+impl<'a> Digits<'a> {
+    /// Zero, in room that is zero.
+    fn zero(room: &'a mut [u16; SIZE / 2]) -> Self {
+        Self { digit: room.as_mut_bytes(), first: WHOLE, end: WHOLE, more: false }
     }
 
     fn get(&self, place: usize) -> u8 {

@@ -1,6 +1,6 @@
 //! Decimal numbers read as the nearest float.
 
-use super::{Digits, SIZE, WHOLE};
+use super::{Digits, SIZE, WHOLE, zeros};
 
 /// Exponents beyond that are as good as that: no text has so many digits that it matters.
 const EXPONENT_MAX: i32 = 1_000_000;
@@ -65,7 +65,8 @@ fn exponent<T: Iterator<Item = u8> + Clone>(mut text: T) -> Option<(i32, T)> {
 
 /// The float that is nearest to these digits with a point behind the first `whole` ones, wherever that is.
 fn nearest(digits: impl Iterator<Item = u8>, whole: i32) -> Option<u32> {
-    let mut number = Digits::zero();
+    let mut room = zeros();
+    let mut number = Digits::zero(&mut room);
     let mut place = i32::try_from(WHOLE).unwrap_or_default().saturating_sub(whole);
     for digit in digits {
         if digit != 0 {
@@ -106,7 +107,7 @@ fn nearest(digits: impl Iterator<Item = u8>, whole: i32) -> Option<u32> {
     (bits < 0x7F80_0000).then_some(bits)
 }
 
-impl Digits {
+impl Digits<'_> {
     /// What stands before the point, or 2^28 when that is more.
     fn whole(&self) -> u32 {
         let mut sum = 0_u32;

@@ -1,6 +1,6 @@
 //! Decimal text of floats.
 
-use super::{Digits, SIZE, WHOLE};
+use super::{Digits, SIZE, WHOLE, zeros};
 
 /// Most decimals that [`write_fixed`] can be asked for.
 pub const DECIMALS_MAX: u8 = 9;
@@ -25,7 +25,8 @@ pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
     if !special.is_empty() {
         return;
     }
-    let mut digits = Digits::zero();
+    let mut room = zeros();
+    let mut digits = Digits::zero(&mut room);
     digits.set(bits);
     digits.round(digits.first.wrapping_add(SIGNIFICANT));
     // Where the units are, if the number is written without an exponent: -4 to 5.
@@ -59,7 +60,8 @@ pub fn write_fixed(bits: u32, decimals: u8, put: &mut dyn FnMut(u8)) {
     if bits >> 31 == 1 {
         put(b'-');
     }
-    let mut digits = Digits::zero();
+    let mut room = zeros();
+    let mut digits = Digits::zero(&mut room);
     digits.set(bits);
     let end = WHOLE.wrapping_add(decimals.into());
     digits.round(end);
@@ -67,7 +69,7 @@ pub fn write_fixed(bits: u32, decimals: u8, put: &mut dyn FnMut(u8)) {
     digits.put(digits.first.min(units), units, end, put);
 }
 
-impl Digits {
+impl Digits<'_> {
     /// Sets zero to a finite float, without its sign.
     fn set(&mut self, bits: u32) {
         let [low, middle, high, top] = bits.to_le_bytes();
