@@ -46,12 +46,12 @@ mod memory;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic_handler;
 pub mod payload;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(all(any(unix, windows), feature = "serial"))]
 pub mod port;
 pub mod protocol;
 pub mod protocol_ext;
 mod ring;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(all(any(unix, windows), feature = "serial"))]
 pub mod serial;
 pub mod sizes;
 #[allow(unused, reason = "the sessions move to it one by one")]

@@ -239,6 +239,11 @@ impl Default for Port {
     }
 }
 
+/// Whether a speed is near enough to another: a link bears a difference of 2 %, and hardware divides its clock.
+const fn is_near(speed: c_ulong, asked: c_ulong) -> bool {
+    speed.abs_diff(asked) <= asked / 50
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::{Failed, Port, Settings, TEXT_MAX};

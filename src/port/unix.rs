@@ -116,18 +116,14 @@ fn make_raw(settings: &mut terminal::Settings) {
 /// What has to be as asked for bytes to pass, besides the speed.
 const FRAMING: libc::tcflag_t = libc::CSIZE | libc::CSTOPB | libc::PARENB | libc::CRTSCTS;
 
-/// Whether a speed is near enough to another: a link bears a difference of 2 %, and hardware divides its clock.
-const fn is_near(speed: c_ulong, asked: c_ulong) -> bool {
-    speed.abs_diff(asked) <= asked / 50
-}
-
 /// How a terminal is set in Linux: by the kernel's own interface, as the C library's knows only the standard speeds.
 #[cfg(all(
     any(target_os = "linux", target_os = "android"),
     not(any(target_arch = "powerpc", target_arch = "powerpc64"))
 ))]
 mod terminal {
-    use super::{Error, MaybeUninit, c_int, c_ulong, is_near, success};
+    use super::super::is_near;
+    use super::{Error, MaybeUninit, c_int, c_ulong, success};
     pub(super) use libc::termios2 as Settings;
 
     pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
@@ -159,7 +155,8 @@ mod terminal {
     not(any(target_arch = "powerpc", target_arch = "powerpc64"))
 )))]
 mod terminal {
-    use super::{Error, MaybeUninit, c_int, c_ulong, is_near, success};
+    use super::super::is_near;
+    use super::{Error, MaybeUninit, c_int, c_ulong, success};
     pub(super) use libc::termios as Settings;
 
     pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
