@@ -1,12 +1,12 @@
 //! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: takes requests, has them carried out,
 //! answers them.
 
-use core::ffi::{c_int, c_ulong, c_void};
+use core::ffi::{c_int, c_void};
 
 use super::memory::{bytes_of, int};
 use super::payload::layout_of;
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_SUCCESS, Position, SendFunc, StatusReport};
-use super::state::{Room, state};
+use super::state::{Room, Word, state};
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
 use deltarobot_protocols::deltarobot::{Layout, PAYLOAD_MAX};
@@ -87,7 +87,7 @@ pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 #[derive(Debug)]
 #[repr(C)]
 pub struct Controller {
-    opaque: [c_ulong; DP_CONTROLLER_WORDS],
+    opaque: [Word; DP_CONTROLLER_WORDS],
 }
 
 state!(Controller: State);

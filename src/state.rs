@@ -2,6 +2,13 @@
 
 use core::ffi::c_ulong;
 
+/// What rooms consist of whose states hold pointers: in 64-bit Windows these are larger than a C `long`.
+#[cfg(all(windows, target_pointer_width = "64"))]
+pub(crate) type Word = usize;
+/// What rooms consist of whose states hold pointers.
+#[cfg(not(all(windows, target_pointer_width = "64")))]
+pub(crate) type Word = c_ulong;
+
 /// A struct of the C ABI that is nothing but room for a state of the core's.
 ///
 /// # Safety

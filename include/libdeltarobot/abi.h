@@ -66,4 +66,12 @@
 #define LIBDELTAROBOT_NOT_PACKED(header) struct libdeltarobot_packing_of_##header
 #endif
 
+/* What structs consist of that hold pointers: in 64-bit Windows these are larger than unsigned long. */
+#ifdef _WIN64
+#include <stddef.h>
+#define LIBDELTAROBOT_WORD size_t
+#else
+#define LIBDELTAROBOT_WORD unsigned long
+#endif
+
 #endif

@@ -41,7 +41,7 @@ extern "C" {
 
 /** A controller, to be made by `dp_controller_init`. All zero is one that does nothing. */
 struct dp_controller {
-  unsigned long opaque[DP_CONTROLLER_WORDS];
+  LIBDELTAROBOT_WORD opaque[DP_CONTROLLER_WORDS];
 };
 
 /**
