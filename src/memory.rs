@@ -1,6 +1,6 @@
 //! Memory of callers, as pointers and sizes from C tell of it, and numbers as C has them.
 
-use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
+use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;
 use core::slice;
 
@@ -110,20 +110,30 @@ pub(super) unsafe fn fill<const LONGEST: usize>(
     }
 }
 
-/// A string of C's without its zero byte, or `None` where there is none. Not by a call of strlen.
+/// A string of C's, or `None` for NULL. Not by a call of strlen.
 ///
 /// # Safety
 ///
-/// text is NULL or points to bytes of which one is zero, and which nobody writes while the slice lives.
-pub(super) unsafe fn text_of<'a>(text: *const c_char) -> Option<&'a [u8]> {
+/// text is NULL or points to bytes of which one is zero, and which nobody writes while the reference lives.
+pub(super) unsafe fn string_of<'a>(text: *const c_char) -> Option<&'a CStr> {
     if text.is_null() {
         return None;
     }
-    let mut length = 0_usize;
+    let mut size = 1_usize;
     // SAFETY: no byte behind the zero one is read.
-    while unsafe { text.add(length).read() } != 0 {
-        length = length.wrapping_add(1);
+    while unsafe { text.add(size.wrapping_sub(1)).read() } != 0 {
+        size = size.wrapping_add(1);
     }
-    // SAFETY: as many were just read.
-    Some(unsafe { slice::from_raw_parts(text.cast(), length) })
+    // SAFETY: these were just read, and the last is the only zero byte.
+    Some(unsafe { CStr::from_bytes_with_nul_unchecked(slice::from_raw_parts(text.cast(), size)) })
+}
+
+/// The bytes of a string of C's, or `None` for NULL.
+///
+/// # Safety
+///
+/// As for [`string_of`].
+pub(super) unsafe fn text_of<'a>(text: *const c_char) -> Option<&'a [u8]> {
+    // SAFETY: the same contract.
+    unsafe { string_of(text) }.map(CStr::to_bytes)
 }

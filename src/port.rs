@@ -11,7 +11,7 @@
 mod system;
 mod text;
 
-use core::ffi::{CStr, c_char, c_int, c_long, c_ulong};
+use core::ffi::{CStr, c_int, c_long, c_ulong};
 use core::mem::MaybeUninit;
 
 use text::Text;
@@ -31,7 +31,7 @@ pub struct Port {
     has_failed: c_int,
     /// Where in `text` the error begins, behind the device's name.
     name_length: c_int,
-    text: [c_char; TEXT_MAX],
+    text: [u8; TEXT_MAX],
 }
 
 /// How a port is opened and closed.
@@ -189,7 +189,7 @@ impl Port {
     /// nothing did since it was opened.
     #[must_use]
     pub fn error(&self) -> &CStr {
-        if self.has_failed == 0 { c"" } else { text::string(&self.text) }
+        if self.has_failed == 0 { c"" } else { CStr::from_bytes_until_nul(&self.text).unwrap_or_default() }
     }
 
     /// Does something with the open device, and notes why it failed.

@@ -13,10 +13,10 @@
 //! dp_serial_close(&port);
 //! ```
 
-use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
+use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 use deltarobot_export::export;
 
-use super::memory::{bytes_of, int, room_of};
+use super::memory::{bytes_of, int, room_of, string_of};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
 use crate::port::{self, Failed, Line, Port};
 use crate::state::{Room, state};
@@ -120,11 +120,9 @@ pub unsafe extern "C" fn dp_serial_open_with(
 unsafe fn open(serial: *mut Serial, device: *const c_char, settings: Settings) -> c_int {
     // SAFETY: serial is NULL or writable; what it held is overwritten.
     let Some(port) = (unsafe { Serial::init(serial) }) else { return DP_RC_ERROR_GENERIC };
-    if device.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: not NULL, so it is a string.
-    code(port.open(unsafe { CStr::from_ptr(device) }, &settings.into()))
+    // SAFETY: device is NULL or a string.
+    let Some(device) = (unsafe { string_of(device) }) else { return DP_RC_ERROR_GENERIC };
+    code(port.open(device, &settings.into()))
 }
 
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if

@@ -1,16 +1,16 @@
 //! A buffer of fixed size that ends with a zero byte, as C's strings do.
 
-use core::ffi::{CStr, c_char, c_ulong};
+use core::ffi::c_ulong;
 
 /// Writes one part behind the other. What does not fit is left out.
 pub(super) struct Text<'a> {
-    buffer: &'a mut [c_char],
+    buffer: &'a mut [u8],
     length: usize,
 }
 
 impl<'a> Text<'a> {
     /// Writes behind the first `length` bytes, which stay.
-    pub(super) const fn new(buffer: &'a mut [c_char], length: usize) -> Self {
+    pub(super) const fn new(buffer: &'a mut [u8], length: usize) -> Self {
         Self { buffer, length }
     }
 
@@ -18,7 +18,7 @@ impl<'a> Text<'a> {
         // The last place is the zero byte's.
         for byte in part {
             let Some([place, next, ..]) = self.buffer.get_mut(self.length..) else { return };
-            *place = byte.cast_signed() as c_char;
+            *place = *byte;
             *next = 0;
             self.length = self.length.wrapping_add(1);
         }
@@ -38,20 +38,10 @@ impl<'a> Text<'a> {
     }
 }
 
-/// The string in a buffer; empty when it has no end.
-pub(super) fn string(buffer: &[c_char]) -> &CStr {
-    #[expect(clippy::manual_contains, reason = "another such function")]
-    if !buffer.iter().any(|byte| *byte == 0) {
-        return c"";
-    }
-    // SAFETY: the string ends within the buffer. (The safe way is a function that is not found when a program is
-    // linked as a whole, with "fat" LTO: this crate, for its `no_builtins`, is left out of that.)
-    unsafe { CStr::from_ptr(buffer.as_ptr()) }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Text, string};
+    use super::Text;
+    use core::ffi::CStr;
 
     #[test]
     fn parts_stand_behind_each_other_and_what_does_not_fit_is_left_out() {
@@ -62,12 +52,11 @@ mod tests {
         text.put(b", ");
         text.put_number(1_234_567);
         assert_eq!(text.length(), 11);
-        assert_eq!(string(&buffer), c"at 0, 12345");
+        assert_eq!(CStr::from_bytes_until_nul(&buffer), Ok(c"at 0, 12345"));
         let mut text = Text::new(&mut buffer, 4);
         text.put(b"!");
-        assert_eq!(string(&buffer), c"at 0!");
+        assert_eq!(CStr::from_bytes_until_nul(&buffer), Ok(c"at 0!"));
         Text::new(&mut buffer, 99).put(b"!");
-        assert_eq!(string(&buffer), c"at 0!");
-        assert_eq!(string(&[1, 2]), c"");
+        assert_eq!(CStr::from_bytes_until_nul(&buffer), Ok(c"at 0!"));
     }
 }
