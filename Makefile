@@ -11,9 +11,13 @@ OUT ?= target/release
 # `make OUT=build/m0 DP_TARGET=thumbv6m-none-eabi CROSS_COMPILE=arm-none-eabi-`.
 DP_TARGET     ?= $(CARGO_BUILD_TARGET)
 CROSS_COMPILE ?=
+# What kind of system that is: elf, windows or macos. The shared library differs, and with it what makes it.
+BUILDS_FOR := $(or $(DP_TARGET),$(shell uname -s))
+SYSTEM := $(if $(findstring windows,$(BUILDS_FOR))$(filter MINGW% MSYS%,$(BUILDS_FOR)),windows,$(if \
+    $(findstring apple,$(BUILDS_FOR))$(filter Darwin,$(BUILDS_FOR)),macos,elf))
 # Whether to build the shared library too. Bare metal has none.
 SHARED        ?= $(if $(findstring -none,$(DP_TARGET)),no,yes)
-# Whether to build serial.h's part too, which needs Unix and its libc.
+# Whether to build serial.h's part too, which needs Unix and its libc, or Windows.
 SERIAL        ?= $(if $(findstring -none,$(DP_TARGET)),no,yes)
 
 PREFIX     ?= /usr/local
@@ -41,7 +45,14 @@ QUIET := --quiet
 endif
 
 VERSION := $(shell sed -n '/^version = /{s/.*"\(.*\)"/\1/p;q;}' Cargo.toml)
-SONAME  := libdeltarobot.so.$(firstword $(subst ., ,$(VERSION)))
+MAJOR   := $(firstword $(subst ., ,$(VERSION)))
+SONAME  := libdeltarobot.so.$(MAJOR)
+# The files of the shared library: it, and its links, each to the one before it. In Windows also what programs link with,
+# and the list of exports, of which `lib /def:` makes that for MSVC.
+SHARED_FILES.elf     := libdeltarobot.so.$(VERSION) $(SONAME) libdeltarobot.so
+SHARED_FILES.macos   := libdeltarobot.$(VERSION).dylib libdeltarobot.$(MAJOR).dylib libdeltarobot.dylib
+SHARED_FILES.windows := deltarobot.dll libdeltarobot.dll.a deltarobot.def
+SHARED_FILES         := $(SHARED_FILES.$(SYSTEM))
 # What the library exports, of which the serial port is a part that can be left out.
 NAMES    = $(shell cat $(GENERATED)/exports.txt)
 EXPORTS  = $(filter-out dp_serial_%,$(NAMES)) $(SERIAL_EXPORTS)
@@ -64,7 +75,7 @@ HEADERS := $(patsubst include/%,%,$(wildcard include/*.h include/libdeltarobot/*
 HEADERS := $(filter-out $(if $(SERIAL_EXPORTS),,%/serial.h),$(HEADERS))
 SHIPPED := $(STAGE)/libdeltarobot.a
 ifeq ($(SHARED),yes)
-SHIPPED += $(STAGE)/libdeltarobot.so
+SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
 endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx \
@@ -80,12 +91,12 @@ lib: $(SHIPPED) ## builds the library (default)
 	    $(call renew,$$from,$(OUT)/include/$$header) || exit; \
 	done
 	$(Q)$(call renew,$(STAGE)/libdeltarobot.a,$(OUT)/libdeltarobot.a)
+	$(Q)rm -f $(if $(filter-out yes,$(SHARED)),$(SHARED_FILES:%=$(OUT)/%))
 ifeq ($(SHARED),yes)
-	$(Q)$(call renew,$(STAGE)/libdeltarobot.so,$(OUT)/libdeltarobot.so.$(VERSION))
-	$(Q)ln -sf libdeltarobot.so.$(VERSION) $(OUT)/$(SONAME)
-	$(Q)ln -sf $(SONAME) $(OUT)/libdeltarobot.so
-else
-	$(Q)rm -f $(OUT)/libdeltarobot.so*
+	$(Q)from=; for file in $(SHARED_FILES); do \
+	    if [ -z "$$from" ] || [ $(SYSTEM) = windows ]; then $(call renew,$(STAGE)/$$file,$(OUT)/$$file); \
+	    else ln -sf $$from $(OUT)/$$file; fi && from=$$file || exit; \
+	done
 endif
 	@echo "lib: libdeltarobot $(VERSION) for $(DP_BUFSIZE)/$(DP_DATA_MAX_SIZE) bytes is in $(OUT)"
 
@@ -93,17 +104,18 @@ endif
 # No std in it; of other libraries the .so needs libc, and that only for the serial port. Firmware may have no memcpy, so
 # copy loops must not become calls of it. (`#![no_builtins]` would say so too, but keeps a crate out of the link-time
 # optimization that makes one piece of the C ABI and the core.)
+CDYLIB := $(if $(filter elf,$(SYSTEM)),$(filter yes,$(SHARED)))
 $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
 	+$(Q)DP_SIZES_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' \
 	    $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
 	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
-	    --crate-type staticlib$(if $(filter yes,$(SHARED)),$(,)cdylib) \
+	    --crate-type staticlib$(if $(filter yes,$(CDYLIB)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
-	    -- -C link-arg=-Wl,-soname,$(SONAME) -C link-arg=-nostdlib \
-	    $(if $(CROSS_COMPILE),-C linker=$(CROSS_COMPILE)gcc)
+	    $(if $(CDYLIB),-- -C link-arg=-Wl$(,)-soname$(,)$(SONAME) -C link-arg=-nostdlib \
+	    $(if $(CROSS_COMPILE),-C linker=$(CROSS_COMPILE)gcc))
 	$(Q)$(call renew,$(BUILT)/libdeltarobot.a,$@)
-ifeq ($(SHARED),yes)
+ifeq ($(CDYLIB),yes)
 	$(Q)$(call renew,$(BUILT)/libdeltarobot.so,$(STAGE)/cargo.so)
 endif
 $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
@@ -116,6 +128,7 @@ $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
 # The serial port has an object of its own: only programs that use it need what it needs.
 # HELPERS is what firmware/build.sh has to add.
 HELPERS :=
+ifeq ($(SYSTEM),elf)
 OBJECTS := $(STAGE)/deltarobot.o $(if $(SERIAL_EXPORTS),$(STAGE)/serial.o)
 $(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
 $(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
@@ -123,10 +136,13 @@ $(OBJECTS): $(STAGE)/cargo.a src/exports.txt Makefile
 	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $< $(HELPERS)
 	$(Q)$(OBJCOPY) -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' $(if $(findstring -none,$(DP_TARGET)),-R '.note*') \
 	    --strip-unneeded --keep-symbol='_[ZR]*' $(OF_OBJECT:%=--keep-global-symbol=%) $@
+$(STAGE)/libdeltarobot.so.$(VERSION): $(STAGE)/cargo.so Makefile
+	$(Q)$(STRIP) --strip-unneeded -o $@ $<
+else
+include packaging/$(SYSTEM).mk
+endif
 $(STAGE)/libdeltarobot.a: $(OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcsD $@ $^
-$(STAGE)/libdeltarobot.so: $(STAGE)/cargo.so Makefile
-	$(Q)$(STRIP) --strip-unneeded -o $@ $<
 
 # The sizes into a new directory each time: cargo then runs the build script even if it sees no need to.
 header: ## renews include/, which holds the headers of the default sizes
@@ -237,7 +253,7 @@ fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
 FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
-	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) $(OUT)/libdeltarobot.* $(OUT)/deltarobot
+	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot.d*
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:
