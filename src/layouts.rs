@@ -46,7 +46,7 @@ layouts! {
         home: Function, r#move: Function, cancel: Function, read: Function, send: Function,
     }
 
-    #[cfg(all(unix, feature = "serial"))]
+    #[cfg(all(any(unix, windows), feature = "serial"))]
     dp_serial_settings = super::serial::Settings { baud: c_ulong, dtr: c_int, rts: c_int, keep_lines: c_int }
     dp_robot_configuration = kinematics::RobotConfiguration {
         A1: [c_float; 3], A2: [c_float; 3], A3: [c_float; 3], d_B1B3: c_float, d_e: c_float,

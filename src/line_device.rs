@@ -46,7 +46,7 @@ use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
 use super::memory::{bytes_of, duration, int, text_of, time};
 use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
-use crate::state::{Room, state};
+use crate::state::{Room, Word, state};
 use deltarobot_export::export;
 use deltarobot_protocols::line::device::{DeviceLink, Health, ID_MAX, LINE_MAX, Setup};
 use deltarobot_protocols::line::{Receiver, Value};
@@ -137,14 +137,14 @@ pub struct DeviceTable {
     pub repeat_ms: c_ulong,
 }
 
-/// `unsigned long`s of a device, with some room to spare.
+/// Words of a device, with some room to spare.
 pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 35;
 
 /// The device's end of a link. All zero is one that `olp_device_init` has not made yet.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Device {
-    opaque: [c_ulong; OLP_DEVICE_WORDS],
+    opaque: [Word; OLP_DEVICE_WORDS],
 }
 state!(Device: State);
 

@@ -178,9 +178,9 @@ impl Program {
         Self { needs_eigen: true, ..self }
     }
 
-    /// What it is given: less to do under valgrind, and where a library that isn't optimized counts what is run.
+    /// What it is given: less to do under valgrind and emulators, and where a library that isn't optimized counts what is run.
     pub(crate) fn args(&self, mode: Mode) -> &'static [&'static str] {
-        if mode == Mode::Valgrind || coverage().is_some() { self.slowly } else { &[] }
+        if mode == Mode::Valgrind || coverage().is_some() || cross().is_some() { self.slowly } else { &[] }
     }
 
     /// The other sizes that mean anything to it.
@@ -201,9 +201,31 @@ pub(crate) fn c_tests() -> PathBuf {
     root().join("c_tests")
 }
 
+/// Another kind of machine, whose programs run here: `hosts.sh` says how.
+struct Cross {
+    /// Where the library was built for it.
+    library: PathBuf,
+    /// In front of the names of its compilers.
+    prefix: String,
+    /// What runs its programs.
+    runner: Vec<String>,
+}
+
+fn cross() -> Option<&'static Cross> {
+    static CROSS: LazyLock<Option<Cross>> = LazyLock::new(|| {
+        let library = env::var_os("DP_CROSS_LIBRARY")?.into();
+        let [prefix, runner] = ["DP_CROSS_PREFIX", "DP_CROSS_RUNNER"].map(|name| env::var(name).unwrap());
+        Some(Cross { library, prefix, runner: runner.split_whitespace().map(Into::into).collect() })
+    });
+    CROSS.as_ref()
+}
+
 /// Where libraries and programs are built.
 pub(crate) fn out_dir() -> PathBuf {
-    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_tests");
+    let mut dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_tests");
+    if let Some(cross) = cross() {
+        dir.push(&cross.prefix);
+    }
     fs::create_dir_all(&dir).unwrap();
     dir
 }
@@ -221,6 +243,10 @@ pub(crate) struct Library {
 impl Library {
     /// The library for these sizes, built at the first call of this run.
     pub(crate) fn of(sizes: Sizes) -> Self {
+        if let Some(cross) = cross() {
+            assert_eq!(sizes, DEFAULT, "not built for other machines");
+            return Self { dir: cross.library.clone(), sizes };
+        }
         let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
         let library = Self { dir: out_dir().join(sizes.to_string()), sizes };
         if !built.contains(&sizes) {
@@ -280,6 +306,12 @@ pub(crate) const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror
 
 /// The compiler that the `cc` crate finds (`CC`, `CXX` and their flags count), with every warning an error.
 pub(crate) fn compiler(cpp: bool) -> Command {
+    if let Some(cross) = cross() {
+        let mut command = Command::new(format!("{}{}", cross.prefix, if cpp { "g++" } else { "gcc" }));
+        // Statically, so that a runner needs no other files.
+        command.args(["-O1", "-g", "-static"]).args(STRICT);
+        return command;
+    }
     static HOST: LazyLock<String> = LazyLock::new(|| {
         let output = Command::new(env::var_os("RUSTC").unwrap_or("rustc".into())).arg("-vV").output().unwrap();
         let told = String::from_utf8(output.stdout).unwrap();
@@ -307,6 +339,7 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         return None;
     }
     let executable = out_dir().join(format!("{}-{}-{mode:?}", program.name, library.sizes).to_lowercase());
+    let executable = if cross().is_some() { executable.with_extension("exe") } else { executable };
     // Another test may be running the same program: it is replaced, never written to.
     let new = executable.with_extension(BUILDS.fetch_add(1, Ordering::Relaxed).to_string());
     let mut command = compiler(program.language.is_cpp());
@@ -348,6 +381,10 @@ pub(crate) fn command(executable: &Path, library: &Library, mode: Mode) -> Comma
         let mut valgrind = Command::new("valgrind");
         valgrind.args(["--error-exitcode=99", "--leak-check=full", "-q"]).arg(executable);
         valgrind
+    } else if let Some(cross) = cross() {
+        let mut runner = Command::new(&cross.runner[0]);
+        runner.args(&cross.runner[1..]).arg(executable);
+        runner
     } else {
         Command::new(executable)
     };

@@ -254,8 +254,8 @@ static void damaged_devices_do_no_harm(void)
         CHECK_INT(olp_device_init(&guarded.device, &TABLE, &usr_object), OLP_RC_SUCCESS);
         /* All but the addresses of the table and of usr. */
         for (k = 0; k < sizeof guarded.device / sizeof *guarded.device.opaque; ++k)
-            if (guarded.device.opaque[k] != (unsigned long)&TABLE &&
-                guarded.device.opaque[k] != (unsigned long)&usr_object)
+            if (guarded.device.opaque[k] != (LIBDELTAROBOT_WORD)&TABLE &&
+                guarded.device.opaque[k] != (LIBDELTAROBOT_WORD)&usr_object)
                 memset(&guarded.device.opaque[k], FILLS[i], sizeof *guarded.device.opaque);
         for (k = 0; k < 20; ++k) {
             olp_device_receive(&guarded.device, SET_ON, (int)strlen(SET_ON), now);

@@ -115,7 +115,7 @@ SAME(sizeof(struct olp_device_health), 6 * LONG);
 
 SAME(sizeof(struct olp_receiver), OLP_RECEIVER_WORDS * LONG);
 SAME(sizeof(struct olp_host), OLP_HOST_WORDS * LONG);
-SAME(sizeof(struct olp_device), OLP_DEVICE_WORDS * LONG);
+SAME(sizeof(struct olp_device), OLP_DEVICE_WORDS * sizeof(LIBDELTAROBOT_WORD));
 
 int main(void)
 {

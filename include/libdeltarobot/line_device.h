@@ -67,12 +67,12 @@ extern "C" {
 
 /** Length of the longest id that a device behind a link may have. */
 #define OLP_ID_MAX 10
-/** `unsigned long`s of a device, with some room to spare. */
+/** Words of a device, with some room to spare. */
 #define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 35)
 
 /** The device's end of a link. All zero is one that `olp_device_init` has not made yet. */
 struct olp_device {
-  unsigned long opaque[OLP_DEVICE_WORDS];
+  LIBDELTAROBOT_WORD opaque[OLP_DEVICE_WORDS];
 };
 
 /** A device behind the link, as its welcome describes it. The texts end with a zero byte. */

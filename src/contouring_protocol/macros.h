@@ -1,6 +1,6 @@
 #include <stdint.h>
 /* Programs written for the posted header may use u_int8_t and the like. */
-#if defined(__AVR__) || defined(_MSC_VER)
+#if defined(__AVR__) || defined(_WIN32)
 typedef uint8_t u_int8_t;
 typedef uint16_t u_int16_t;
 typedef uint32_t u_int32_t;

@@ -76,6 +76,7 @@ unsafe extern "system" {
 
 const ERROR_FILE_NOT_FOUND: Error = 2;
 const ERROR_ACCESS_DENIED: Error = 5;
+const ERROR_NOT_READY: Error = 21;
 const ERROR_BAD_COMMAND: Error = 22;
 const ERROR_GEN_FAILURE: Error = 31;
 const ERROR_SHARING_VIOLATION: Error = 32;
@@ -206,7 +207,8 @@ pub(super) fn read(handle: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_lon
     let (per_byte, wait) = match u32::try_from(timeout_ms) {
         Ok(0) => (0, 0),
         Ok(wait) => (u32::MAX, wait),
-        Err(_) => (u32::MAX, 0x7FFF_FFFF),
+        // For ever, but a driver may not wake up who waits when its device is gone.
+        Err(_) => (u32::MAX, 1000),
     };
     let timeouts =
         Timeouts { between_bytes: u32::MAX, read_per_byte: per_byte, read: wait, write_per_byte: 0, write: 0 };
@@ -284,6 +286,7 @@ const fn cause_of(error: Error) -> Cause {
     match error {
         ERROR_FILE_NOT_FOUND
         | ERROR_ACCESS_DENIED
+        | ERROR_NOT_READY
         | ERROR_BAD_COMMAND
         | ERROR_GEN_FAILURE
         | ERROR_NO_SUCH_DEVICE

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Hosts other than this one: builds the library for each that is named, and runs the C tests linked statically to it in
+# an emulator; or, for those without one, compiles it. By default all.
+#
+#   c_tests/hosts.sh [i686|aarch64|s390x|windows|TARGET]...
+#
+# Debian's packages: qemu-user, wine64, gcc and g++ of each (gcc-s390x-linux-gnu, gcc-mingw-w64-x86-64-win32...), and
+# for a compiler that has no core library for them, but its source, rustc-web and rust-web-src.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() {
+    echo "hosts.sh: $*" >&2
+    exit 1
+}
+
+# use_compiler TARGET: the first one in the PATH that has the target's core library, else one that has its source.
+use_compiler() {
+    local candidate
+    unset RUSTC RUSTC_BOOTSTRAP CARGO_UNSTABLE_BUILD_STD
+    for candidate in $(type -ap rustc); do
+        if compgen -G "$("$candidate" --print target-libdir --target "$1" 2>/dev/null)/libcore-*.rlib" >/dev/null; then
+            export RUSTC="$candidate"
+            return
+        fi
+    done
+    for candidate in $(type -ap rustc); do
+        if [ -f "$("$candidate" --print sysroot)/lib/rustlib/src/rust/library/core/src/lib.rs" ]; then
+            export RUSTC="$candidate" RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=core
+            return
+        fi
+    done
+    fail "no compiler for $1: rustup target add $1, or on Debian apt install rustc-web rust-web-src"
+}
+
+# build HOST TARGET PREFIX
+build() {
+    command -v "$3gcc" >/dev/null || fail "$1: no $3gcc"
+    (use_compiler "$2" && make lib OUT="target/hosts/$1" CARGO_DIR=target/hosts/.cargo DP_TARGET="$2" CROSS_COMPILE="$3")
+}
+
+# run HOST PREFIX RUNNER: what needs the programs of this machine besides is left out.
+run() {
+    DP_CROSS_LIBRARY="$PWD/target/hosts/$1" DP_CROSS_PREFIX="$2" DP_CROSS_RUNNER="$3" \
+        cargo test --quiet --test c_tests -- linked_statically --skip send_opcode --skip demonstration --skip robot \
+        --skip sizes_256_32 --skip sizes_512_255 "${@:4}"
+}
+
+wine_run() {
+    local out=$PWD/target/hosts wine
+    wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
+    server=$(command -v wineserver || echo /usr/lib/wine/wineserver)
+    export WINEPREFIX="$out/wine" WINEDEBUG=-all
+    mkdir -p "$WINEPREFIX"
+    trap '"$server" -k || true' EXIT
+    # What is first called starts services that keep its output open.
+    "$wine" reg query HKLM >/dev/null 2>&1
+    run windows x86_64-w64-mingw32- "$wine" --skip serial::serial >"$out/windows.log" 2>&1 || { cat "$out/windows.log" && return 1; }
+    grep '^test result' "$out/windows.log"
+
+    # A serial port: a link to a pseudo-terminal, which the server looks for when it starts.
+    cc -Wall -Wextra -o "$out/far_end" c_tests/serial/far_end.c
+    x86_64-w64-mingw32-gcc -static -std=c99 -Wall -Wextra -Wpedantic -Werror -Ic_tests/common -I"$out/windows/include" \
+        -o "$out/com_port.exe" c_tests/serial/com_port.c "$out/windows/libdeltarobot.a"
+    "$wine" reg add 'HKLM\Software\Wine\Ports' /v COM5 /d "$out/com5" /f >/dev/null 2>&1
+    "$server" -k || true
+    "$wine" reg query 'HKLM\Software\Wine\Ports' >/dev/null 2>&1
+    "$out/far_end" "$out/com5" "$wine" "$out/com_port.exe" COM5
+
+    # The .dll.
+    x86_64-w64-mingw32-gcc -std=c99 -Ic_tests/common -I"$out/windows/include" -o "$out/windows/dll_user.exe" \
+        c_tests/deltarobot/ext.c -L"$out/windows" -ldeltarobot.dll
+    "$wine" "$out/windows/dll_user.exe"
+}
+
+[ $# -gt 0 ] || set -- i686 aarch64 s390x windows x86_64-apple-darwin aarch64-apple-darwin x86_64-unknown-freebsd \
+    x86_64-unknown-netbsd x86_64-unknown-linux-musl
+for host; do
+    printf '== %s (%s s)\n' "$host" "$SECONDS"
+    case $host in
+        i686 | aarch64 | s390x)
+            build "$host" "$host-unknown-linux-gnu" "$host-linux-gnu-"
+            run "$host" "$host-linux-gnu-" "qemu-${host/i686/i386}" ;;
+        windows)
+            build windows x86_64-pc-windows-gnu x86_64-w64-mingw32-
+            (wine_run) ;;
+        *-*)
+            (use_compiler "$host" && cargo check --quiet --release --lib --no-default-features \
+                --features panic-handler,serial --target "$host" --target-dir target/hosts/.cargo) ;;
+        *) fail "$host: not one of those at the head of this file" ;;
+    esac
+done
