@@ -10,6 +10,6 @@ $(OBJECTS): $(STAGE)/cargo.a packaging/windows.mk
 $(STAGE)/deltarobot.def: $(STAGE)/cargo.a src/exports.txt
 	$(Q)printf '%s\n' 'LIBRARY deltarobot.dll' EXPORTS $(EXPORTS) >$@
 $(STAGE)/deltarobot.dll: $(STAGE)/deltarobot.o $(STAGE)/deltarobot.def
-	$(Q)$(CROSS_COMPILE)gcc -shared -nostdlib -o $@ $^ -lkernel32 -lmsvcrt \
+	$(Q)$(CROSS_COMPILE)gcc -shared -nostdlib -o $@ $^ -lkernel32 \
 	    -Wl,-e,0,--enable-auto-image-base,--out-implib,$(STAGE)/libdeltarobot.dll.a
 	$(Q)$(STRIP) --strip-unneeded $@
