@@ -71,7 +71,12 @@ GENERATED := $(CARGO_DIR)/include/$(subst $(subst ,, ),_,$(foreach size,$(ALL_SI
 # It is replaced, never written to: it may be a hard link of cargo's.
 renew = if ! cmp -s $(1) $(2); then cp $(1) $(2).new && mv -f $(2).new $(2); fi
 
-HEADERS := $(patsubst include/%,%,$(wildcard include/*.h include/libdeltarobot/*.h))
+# A build in the tree's own directory, for other sizes than the default ones: include/libdeltarobot/sizes.h prefers this
+# file, which git ignores, so that programs that include the headers where they lie get those that fit.
+IN_PLACE       ?= $(if $(filter target/release target/firmware/%,$(OUT)),yes)
+IN_PLACE_SIZES := include/libdeltarobot/sizes_in_place.h
+
+HEADERS := $(patsubst include/%,%,$(filter-out $(IN_PLACE_SIZES),$(wildcard include/*.h include/libdeltarobot/*.h)))
 HEADERS := $(filter-out $(if $(SERIAL_EXPORTS),,%/serial.h),$(HEADERS))
 SHIPPED := $(STAGE)/libdeltarobot.a
 ifeq ($(SHARED),yes)
@@ -97,6 +102,10 @@ ifeq ($(SHARED),yes)
 	    if [ -z "$$from" ] || [ $(SYSTEM) = windows ]; then $(call renew,$(STAGE)/$$file,$(OUT)/$$file); \
 	    else ln -sf $$from $(OUT)/$$file; fi && from=$$file || exit; \
 	done
+endif
+ifeq ($(IN_PLACE),yes)
+	$(Q)if cmp -s $(GENERATED)/sizes.h include/libdeltarobot/sizes.h; then rm -f $(IN_PLACE_SIZES); \
+	else $(call renew,$(GENERATED)/sizes.h,$(IN_PLACE_SIZES)); fi
 endif
 	@echo "lib: libdeltarobot $(VERSION) for $(DP_BUFSIZE)/$(DP_DATA_MAX_SIZE) bytes is in $(OUT)"
 
@@ -125,16 +134,25 @@ $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
 # which only they are global: nothing that a program's own functions, or another Rust library, could clash with. What
 # goes besides: Rust's bitcode, as some binutils read that instead of the code and fail; unwind tables, which would only
 # say "can't"; and on bare metal the note about the stack, because linkers would miss it in the firmware's own objects.
-# The serial port has an object of its own: only programs that use it need what it needs.
+# On hosts, where linkers are seldom told to drop what is not called, each part is an object of its own. The serial port
+# is one everywhere: only programs that use it need what it needs.
 # HELPERS is what firmware/build.sh has to add.
 HELPERS :=
+BARE    := $(findstring -none,$(DP_TARGET))
 ifeq ($(SYSTEM),elf)
-OBJECTS := $(STAGE)/deltarobot.o $(if $(SERIAL_EXPORTS),$(STAGE)/serial.o)
-$(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(SERIAL_EXPORTS),$(EXPORTS))
-$(STAGE)/serial.o: OF_OBJECT = $(SERIAL_EXPORTS)
+PARTS   := $(if $(BARE),,payload sessions line gx kinematics) $(if $(SERIAL_EXPORTS),serial)
+payload    := dp_build% dp_read% dp_msg% dp_opcode_name%
+sessions   := dp_host_% dp_controller_%
+line       := olp_%
+gx         := gx_% PackCP% UnpackCP%
+kinematics := dp_kinematics_%
+serial     := dp_serial_%
+OBJECTS := $(STAGE)/deltarobot.o $(PARTS:%=$(STAGE)/%.o)
+$(STAGE)/deltarobot.o: OF_OBJECT = $(filter-out $(foreach part,$(PARTS),$($(part))),$(EXPORTS))
+$(PARTS:%=$(STAGE)/%.o): OF_OBJECT = $(filter $($(basename $(@F))),$(EXPORTS))
 $(OBJECTS): $(STAGE)/cargo.a src/exports.txt Makefile
 	$(Q)$(LD) -r --gc-sections $(OF_OBJECT:%=--require-defined=%) -o $@ $< $(HELPERS)
-	$(Q)$(OBJCOPY) -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' $(if $(findstring -none,$(DP_TARGET)),-R '.note*') \
+	$(Q)$(OBJCOPY) -w -R .llvmbc -R .llvmcmd -R '.ARM.exidx*' $(if $(BARE),-R '.note*' -R '.eh_frame*') \
 	    --strip-unneeded --keep-symbol='_[ZR]*' $(OF_OBJECT:%=--keep-global-symbol=%) $@
 $(STAGE)/libdeltarobot.so.$(VERSION): $(STAGE)/cargo.so Makefile
 	$(Q)$(STRIP) --strip-unneeded -o $@ $<
@@ -165,7 +183,7 @@ test: ## runs all tests; TESTFLAGS go to `cargo test`
 
 check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
 	$(Q)NM='$(NM)' READELF='$(CROSS_COMPILE)readelf' SIZE='$(CROSS_COMPILE)size' SHARED='$(SHARED)' SERIAL='$(SERIAL)' \
-	    packaging/check-artifact.sh $(OUT) $(STAGE) $(VERSION) $(EXPORTS)
+	    BARE='$(BARE)' OBJECTS='$(notdir $(OBJECTS))' packaging/check-artifact.sh $(OUT) $(STAGE) $(VERSION) $(EXPORTS)
 
 # `sudo make install` often finds no cargo: then what was built before is installed, if it has these sizes.
 install: $(if $(shell command -v $(CARGO)),lib) ## installs below PREFIX; also DESTDIR, LIBDIR, INCLUDEDIR
@@ -253,7 +271,8 @@ fuzz: ## runs each fuzz target for FUZZ_SECONDS; needs cargo-fuzz
 FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
-	$(Q)rm -rf target $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot.d*
+	$(Q)rm -rf target $(IN_PLACE_SIZES) $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) \
+	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot.d*
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:

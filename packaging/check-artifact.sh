@@ -3,7 +3,7 @@
 #
 # That the library can't panic is proved here: no code of Rust's panicking or formatting was linked, and no symbol is
 # left to be found elsewhere. The stripped .so can't show that, so the file before stripping is looked at.
-# shellcheck disable=SC2153 # NM, READELF, SIZE, SHARED and SERIAL come from the Makefile
+# shellcheck disable=SC2153 # NM, READELF, SIZE, SHARED, SERIAL, BARE and OBJECTS come from the Makefile
 set -eu
 
 static=$1/libdeltarobot.a
@@ -52,20 +52,27 @@ check_lean() {
     [ -z "$waste" ] || fail "the library can panic or allocate: $1 has $waste"
 }
 
-objects=deltarobot.o allowed='' libraries=''
+allowed='' libraries=''
 # grep takes an empty list for a pattern that empty lines match: then there are only those.
 if [ "$SERIAL" = yes ]; then
-    objects="deltarobot.o serial.o" allowed=$system libraries=libc.so.6
+    allowed=$system libraries=libc.so.6
 fi
 found=$(ar t "$static" | xargs)
-[ "$found" = "$objects" ] || fail "$static consists of $found instead of $objects"
+[ "$found" = "$OBJECTS" ] || fail "$static consists of $found instead of $OBJECTS"
 check_exports "$static"
 check_lean "$static"
 ram=$("$SIZE" -A "$static" | awk '$1 ~ /^\.(data|bss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 { print $1 }')
 [ -z "$ram" ] || fail "the library has variables: $ram"
-# A program that does not use the serial port gets only this.
-missing=$(names --undefined-only "$stage/deltarobot.o")
-[ -z "$missing" ] || fail "deltarobot.o needs symbols from elsewhere: $missing"
+# A program that does not use the serial port needs nothing.
+for object in $OBJECTS; do
+    missing=$(names --undefined-only "$stage/$object")
+    [ -z "$missing" ] || [ "$object" = serial.o ] || fail "$object needs symbols from elsewhere: $missing"
+done
+# Firmware has no unwinder, and linkers complain about tables for one that refer to code they dropped.
+if [ -n "$BARE" ]; then
+    unwinding=$("$SIZE" -A "$static" | awk '$1 ~ /^\.(eh_frame|ARM\.ex)/ { print $1 }')
+    [ -z "$unwinding" ] || fail "$static has unwind tables: $unwinding"
+fi
 sizes="$static $(wc -c <"$static") bytes"
 
 if [ "$SHARED" = yes ]; then

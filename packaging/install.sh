@@ -89,6 +89,7 @@ case $1 in
             put 644 "$OUT/include/$header" "$(dirname "$includedir/$header")"
         done
         put 644 "$OUT/libdeltarobot.a" "$libdir"
+        put 644 src/protocol_pc_utils.cpp "$prefix/share/deltarobot"
         if [ -e "$OUT/libdeltarobot.so.$VERSION" ]; then
             put 755 "$OUT/libdeltarobot.so.$VERSION" "$libdir"
             link "libdeltarobot.so.$VERSION" "libdeltarobot.so.$major"
@@ -106,10 +107,11 @@ case $1 in
         for file in .a .so ".so.$major" ".so.$VERSION"; do
             rm -f "$DESTDIR$libdir/libdeltarobot$file"
         done
+        rm -f "$DESTDIR$prefix/share/deltarobot/protocol_pc_utils.cpp"
         rm -f "$DESTDIR$pkgconfig/deltarobot.pc" "$DESTDIR$cmake/deltarobot-config.cmake" \
             "$DESTDIR$cmake/deltarobot-config-version.cmake"
         # Only ours, and not if somebody put something there.
-        for directory in "$headers" "$cmake"; do
+        for directory in "$headers" "$cmake" "$prefix/share/deltarobot"; do
             rmdir "$DESTDIR$directory" 2>/dev/null || true
         done
         echo "uninstall: libdeltarobot $VERSION is gone from $DESTDIR$libdir"

@@ -60,6 +60,8 @@ impl Sandbox {
                 success(&run(Command::new("cp").arg("-R").arg(entry.path()).arg(&tree)));
             }
         }
+        // What a build in the tree itself has left.
+        let _ = fs::remove_file(tree.join("include/libdeltarobot/sizes_in_place.h"));
         tree
     }
 
@@ -136,6 +138,7 @@ fn installed(libdir: &str, includedir: &str) -> BTreeSet<String> {
     let mut expected: BTreeSet<_> =
         files(&root().join("include")).iter().map(|header| format!("{includedir}/{header}")).collect();
     expected.extend([
+        "share/deltarobot/protocol_pc_utils.cpp".into(),
         format!("{libdir}/libdeltarobot.a"),
         format!("{libdir}/libdeltarobot.so"),
         format!("{libdir}/libdeltarobot.so.{major}"),
@@ -155,7 +158,7 @@ fn artifacts_export_what_they_should_and_need_nothing() {
     for (bufsize, data_max, others) in [(128, 32, &[][..]), (512, 255, &LARGE), (6, 1, &[]), (128, 32, &[])] {
         let sizes = [format!("DP_BUFSIZE={bufsize}"), format!("DP_DATA_MAX_SIZE={data_max}")];
         success(&sandbox.make(&[&["check-artifact", &sizes[0], &sizes[1]], others].concat()));
-        let header = fs::read_to_string(out().join("include/libdeltarobot/protocol.h")).unwrap();
+        let header = fs::read_to_string(out().join("include/libdeltarobot/sizes.h")).unwrap();
         assert!(header.contains(&format!("#define DP_BUFSIZE {bufsize}\n")), "the header is not for {bufsize}");
     }
 }
@@ -188,7 +191,7 @@ fn wrong_sizes_are_refused_and_leave_the_library_alone() {
     }
     success(&sandbox.make(&["lib"]));
     assert!(!sandbox.make(&["lib", "DP_BUFSIZE=10"]).status.success());
-    let header = fs::read_to_string(out().join("include/libdeltarobot/protocol.h")).unwrap();
+    let header = fs::read_to_string(out().join("include/libdeltarobot/sizes.h")).unwrap();
     assert!(header.contains("#define DP_BUFSIZE 128\n"));
 }
 
@@ -354,28 +357,63 @@ fn add_subdirectory_with_ninja() {
     assert!(!again.contains("Linking"), "{again}");
 }
 
-/// The original's directory swapped for this one.
+/// A tree like the original's, with this directory in the place of its own: symbolic links to it, firmware that names its
+/// source file and puts the archive last, a program that includes the source, and a host program built by CMake.
 #[test]
 fn in_place_of_the_original() {
     if !has_tool("cmake", "--version") {
         return;
     }
     let sandbox = Sandbox::new("in place");
-    let tree = sandbox.tree("libdeltarobot");
-    success(&run(tool("cmake").current_dir(&tree).args(["-S", ".", "-B", "build"])));
-    success(&run(tool("cmake").current_dir(&tree).args(["--build", "build"])));
-    assert!(tree.join("build/libdeltarobot.a").exists());
+    let tree = sandbox.tree("libdeltarobot-1.0");
+    for link in ["libdeltarobot", "libdeltarobot-src"] {
+        std::os::unix::fs::symlink("libdeltarobot-1.0", sandbox.path(link)).unwrap();
+    }
+    for file in ["consumer.c", "textual.c", "firmware.mk", "host"] {
+        success(&run(Command::new("cp").arg("-R").arg(c_tests().join("packaging").join(file)).arg(&sandbox.dir)));
+    }
+    let build = |sizes: &[&str]| {
+        success(&run(tool("cmake")
+            .current_dir(sandbox.path("libdeltarobot"))
+            .args(["-S", ".", "-B", "build"])
+            .args(sizes)));
+        success(&run(tool("cmake").current_dir(&tree).args(["--build", "build"])));
+    };
+    let host = || {
+        let (source, build) = (sandbox.path("host"), sandbox.path("host/build"));
+        success(&run(tool("cmake").arg("-S").arg(source).arg("-B").arg(&build)));
+        success(&run(tool("cmake").arg("--build").arg(&build).arg("--clean-first")));
+        success(&run(&mut Command::new(build.join("host"))))
+    };
+
+    build(&[]);
+    for built in ["libdeltarobot.a", "cross_comm", "send_opcode"] {
+        assert!(tree.join("build").join(built).exists(), "{built} was not built");
+    }
+    success(&run(&mut Command::new(tree.join("build/cross_comm"))));
     for language in ["C", "CXX"] {
         let how = ["-DHOW=include", &format!("-DTREE={}", tree.display())];
         assert_eq!(sandbox.cmake(language, "deltarobot", &how), DEFAULT);
-    }
-    for file in ["consumer.c", "textual.c", "firmware.mk"] {
-        fs::copy(c_tests().join("packaging").join(file), sandbox.path(file)).unwrap();
     }
     success(&run(tool("make").current_dir(&sandbox.dir).args(["-f", "firmware.mk", "firmware", "textual"])));
     for program in ["firmware", "textual"] {
         assert_eq!(success(&run(&mut Command::new(sandbox.path(program)))), DEFAULT);
     }
+    assert_eq!(host(), "128 ACK: (MOVE!), ACK MOVING ACK: (MOVE!)\n");
+
+    // For other sizes the headers that lie there fit too, and no file of the tree was touched.
+    let sizes_in_place = tree.join("include/libdeltarobot/sizes_in_place.h");
+    assert!(!sizes_in_place.exists());
+    build(&["-DDP_BUFSIZE=256"]);
+    assert_eq!(host(), "256 ACK: (MOVE!), ACK MOVING ACK: (MOVE!)\n");
+    assert!(sizes_in_place.exists());
+    let changed = run(Command::new("diff")
+        .args(["-rq", "-x", "sizes_in_place.h", "include"])
+        .arg(root().join("include"))
+        .current_dir(&tree));
+    assert_eq!(text(&changed), "");
+    build(&["-DDP_BUFSIZE=128"]);
+    assert!(!sizes_in_place.exists());
 }
 
 #[test]

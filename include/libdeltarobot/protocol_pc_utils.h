@@ -10,7 +10,7 @@
 
 #include <string>
 
-#include "libdeltarobot/payload.h"
+#include "payload.h"
 
 namespace deltarobot {
 

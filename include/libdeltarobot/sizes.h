@@ -3,8 +3,17 @@
  * libdeltarobot/sizes.h: the sizes that the library was built for. They are part of the structs' layout and of the
  * symbols' names, so a program cannot choose its own: it may define the same ones, before it includes a header.
  *
- * Generated from src/sizes.mk: `make header` renews it; a build for other sizes has its own.
+ * Generated from src/sizes.mk: `make header` renews it; a build for other sizes has its own. A build in the source tree
+ * leaves its own in sizes_in_place.h, for programs that include the headers where they lie.
  */
+#if !defined(LIBDELTAROBOT_SIZES_H) && !defined(LIBDELTAROBOT_SIZES_IN_PLACE)
+#define LIBDELTAROBOT_SIZES_IN_PLACE
+#ifdef __has_include
+#if __has_include("sizes_in_place.h")
+#include "sizes_in_place.h"
+#endif
+#endif
+#endif
 #ifndef LIBDELTAROBOT_SIZES_H
 #define LIBDELTAROBOT_SIZES_H
 
