@@ -198,8 +198,10 @@ uninstall: ## removes what install put there, given the same directories
 # are always the default ones. In a directory of its own: cargo would take its library and the shipped one, of other
 # features, for the same file, and compile both anew each time.
 CLI_DIR := $(CARGO_DIR)/cli
+# Compiled on all cores, unlike the library, for which each byte counts; and a panic removes links.
+CLI_PROFILE := CARGO_PROFILE_RELEASE_LTO=thin CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_PANIC=unwind
 cli: ## builds the program `deltarobot`
-	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CARGO) build $(QUIET) --release -p deltarobot-cli \
+	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) build $(QUIET) --release -p deltarobot-cli \
 	    --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
 	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot,$(OUT)/deltarobot)
 	@echo "cli: $(OUT)/deltarobot"

@@ -79,6 +79,15 @@ fn an_error_is_an_object_too() {
     assert_eq!((code, &value["request"], &value["outcome"]), (DEVICE, &"status".into(), &"error".into()));
     assert_eq!(value["error"], "/nonexistent/tty: No such file or directory");
 
+    let file = fresh("cli-error.txt");
+    fs::write(&file, "home\n").unwrap();
+    for arguments in [
+        &["run", "--json", "/nonexistent/tty", utf8(&file)] as &[&str],
+        &["send", "--json", "--protocol", "gx", "/nonexistent/tty", "x1"],
+    ] {
+        assert_eq!(json(arguments, DEVICE)["outcome"], "error", "{arguments:?}");
+    }
+
     let sim = Running::sim(&["--disconnect-after", "0.1"]);
     let (code, output) = outcome(&["home", "--json", &sim.device]);
     let value: Value = serde_json::from_slice(&output.stdout).unwrap();

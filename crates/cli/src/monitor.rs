@@ -244,6 +244,9 @@ impl Monitor {
 
     fn take_piece(&mut self, piece: &source::Piece, now: Duration) -> Result<(), Failure> {
         match piece {
+            source::Piece::Raw(_) if self.start.is_none() && self.times != Times::Relative => {
+                Err(Failure::Usage("--time: a file of bytes does not say when they passed".into()))
+            }
             source::Piece::Raw(bytes) => self.take(None, bytes, now),
             source::Piece::Entry(entry, parser) => {
                 self.start = parser.start();

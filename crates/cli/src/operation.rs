@@ -112,7 +112,7 @@ fn request(common: &Common, no_wait: bool, request: Request) -> Result<Status, F
     let mut reporter = Reporter::new(common.json);
     let result = perform(common, no_wait, request, &mut reporter);
     if let Err(failure) = &result {
-        reporter.failed(request, failure);
+        reporter.failed(request.name(), failure);
     }
     result
 }
@@ -120,7 +120,9 @@ fn request(common: &Common, no_wait: bool, request: Request) -> Result<Status, F
 fn perform(common: &Common, no_wait: bool, request: Request, reporter: &mut Reporter) -> Result<Status, Failure> {
     let port = common.port()?;
     let signals = Signals::catch()?;
-    let Some(mut driver) = Driver::open(&port, &common.session, &signals)? else { return Ok(Status::Cancelled) };
+    let Some(mut driver) = Driver::open(&port, &common.session, &signals)? else {
+        return Ok(reporter.interrupted(request.name()));
+    };
     let end = match driver.get_ready()? {
         End::Outcome(_) => driver.perform(request, no_wait, reporter)?,
         end => end,

@@ -100,40 +100,51 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let text = text.map_err(|error| Failure::of_file(&name, &error))?;
     let steps = parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
     let signals = Signals::catch()?;
-    let Some(mut driver) = Driver::open(&arguments.port, &arguments.session, &signals)? else {
-        return Ok(Status::Cancelled);
+    let mut reporter = Reporter::new(arguments.json);
+    let opened = Driver::open(&arguments.port, &arguments.session, &signals);
+    let Some(mut driver) = opened.inspect_err(|failure| reporter.failed("run", failure))? else {
+        return Ok(reporter.interrupted("run"));
     };
-    if driver.get_ready()? == End::Interrupted {
-        return Ok(Status::Cancelled);
+    if driver.get_ready().inspect_err(|failure| reporter.failed("run", failure))? == End::Interrupted {
+        return Ok(reporter.interrupted("run"));
     }
+    carry_out(arguments, &name, &steps, &mut driver, &mut reporter)
+}
+
+fn carry_out(
+    arguments: &Arguments,
+    name: &str,
+    steps: &[(usize, Step)],
+    driver: &mut Driver,
+    reporter: &mut Reporter,
+) -> Result<Status, Failure> {
     let rounds = match steps.last() {
         Some((_, Step::Loop(None))) => None,
         Some((_, Step::Loop(Some(times)))) => Some(usize::try_from(*times).unwrap_or(usize::MAX).saturating_add(1)),
         _ => Some(1),
     };
     let in_round = steps.iter().filter(|(_, step)| !matches!(step, Step::Loop(_))).count();
-    let mut progress = Progress { began: Instant::now(), done: 0, all: rounds.map(|rounds| in_round * rounds) };
-    let mut reporter = Reporter::new(arguments.json);
+    let all = rounds.map(|rounds| in_round.saturating_mul(rounds));
+    let mut progress = Progress { began: Instant::now(), done: 0, all };
     let mut status = Status::Finished;
     for _ in 0..rounds.unwrap_or(usize::MAX) {
-        for (line, step) in &steps {
+        for (line, step) in steps {
+            reporter.begin(progress.text(), json!({ "number": progress.done + 1, "line": line }));
             let ended = match *step {
                 Step::Loop(_) => continue,
-                Step::Wait(time) => {
-                    reporter.begin(progress.text(), json!(null));
-                    if driver.pause(time)? { Status::Finished } else { return Ok(Status::Cancelled) }
-                }
+                Step::Wait(time) if driver.pause(time)? => Status::Finished,
+                Step::Wait(_) => return Ok(Status::Cancelled),
                 Step::Request(request) => {
-                    reporter.begin(progress.text(), json!({ "number": progress.done + 1, "line": line }));
-                    let end = driver.perform(request, false, &mut reporter);
-                    let end = end.inspect_err(|failure| reporter.failed(request, failure))?;
-                    reporter.ended(request, end, &driver)
+                    let end = driver.perform(request, false, reporter);
+                    let end = end.inspect_err(|failure| reporter.failed(request.name(), failure))?;
+                    reporter.ended(request, end, driver)
                 }
             };
             progress.done += 1;
             match ended {
                 Status::Finished => (),
-                Status::Cancelled if signals_meant(*step) => return Ok(ended),
+                // That is the user's doing.
+                Status::Cancelled => return Ok(ended),
                 _ => {
                     status = if status == Status::Finished { ended } else { status };
                     if !arguments.keep_going {
@@ -145,11 +156,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     }
     Ok(status)
-}
-
-/// Whether its being cancelled can only be the user's doing.
-const fn signals_meant(step: Step) -> bool {
-    matches!(step, Step::Request(Request::Home | Request::Move(_)))
 }
 
 /// How far it is.

@@ -63,6 +63,11 @@ impl Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let mut report = Report { screen: Screen::new(), json: arguments.json, began: Instant::now() };
+    send(arguments, &mut report).inspect_err(|failure| report.failed(failure))
+}
+
+fn send(arguments: &Arguments, report: &mut Report) -> Result<Status, Failure> {
     let protocol = arguments.spoken.protocol;
     let given = [(Protocol::Line, arguments.line.given()), (Protocol::Gx, arguments.gx.given())];
     protocol.refuse_others(&given)?;
@@ -82,10 +87,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if !link.get_ready(arguments.wait)? {
         return Ok(Status::Cancelled);
     }
-    let mut report = Report { screen: Screen::new(), json: arguments.json, began: Instant::now() };
     match protocol {
-        Protocol::Gx => gx::send(arguments, &moves, &mut link, &mut report),
-        _ => line::send(arguments, &mut link, &mut report),
+        Protocol::Gx => gx::send(arguments, &moves, &mut link, report),
+        _ => line::send(arguments, &mut link, report),
     }
 }
 
@@ -181,6 +185,14 @@ struct Report {
 }
 
 impl Report {
+    /// What is under way can't be followed to its end.
+    fn failed(&mut self, failure: &Failure) {
+        if self.json {
+            let value = json!({ "outcome": "error", "error": failure.to_string() });
+            let _ = self.screen.put_json(&value).and_then(|()| self.screen.flush());
+        }
+    }
+
     /// A command has ended. What is wrong with standard output changes nothing about that.
     fn ended(&mut self, command: &str, outcome: &str, said: Option<&str>, mut more: Value) {
         let seconds = self.began.elapsed().as_secs_f64();

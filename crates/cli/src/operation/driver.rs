@@ -70,8 +70,7 @@ impl Timing {
     fn settings(&self, device: &Device) -> Settings {
         let ms = |time: f64| (time * 1000.0).ceil() as u32;
         let mut answer_ms = self.answer_time.map_or_else(|| ms(device.answer_time().as_secs_f64()), ms);
-        let mut settings = Settings::default();
-        settings.attempts = self.attempts.unwrap_or(4).into();
+        let mut settings = Settings { attempts: self.attempts.unwrap_or(4).into(), ..Settings::default() };
         if let Some(timeout) = self.timeout.map(ms) {
             settings.operation_ms = timeout;
             settings.silence_ms = timeout;

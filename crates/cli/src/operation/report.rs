@@ -125,11 +125,18 @@ impl Reporter {
     }
 
     /// A request could not be made, or not be followed to its end.
-    pub(crate) fn failed(&mut self, request: Request, failure: &Failure) {
+    pub(crate) fn failed(&mut self, request: &str, failure: &Failure) {
         if self.json {
-            let error = failure.to_string();
-            self.conclude_json(json!({ "request": request.name(), "outcome": "error", "error": error }));
+            self.conclude_json(json!({ "request": request, "outcome": "error", "error": failure.to_string() }));
         }
+    }
+
+    /// The user did not want to wait until it could be made.
+    pub(crate) fn interrupted(&mut self, request: &str) -> Status {
+        if self.json {
+            self.conclude_json(json!({ "request": request, "outcome": "interrupted" }));
+        }
+        Status::Cancelled
     }
 
     fn conclude_json(&mut self, mut value: Value) {
