@@ -222,7 +222,7 @@ mod sim {
             ("c=setswitch&state=1&t=16&id=nobody", "c=onerror&code=unknownid&t=16&id=nobody"),
             ("x=1", "c=onerror&code=malformed&t=17&id=0uAAly"),
             (
-                "c=setswitch&state=1&t=18&id=9o5qzg&comment=this.is.longer.than.64.bytes",
+                "c=setswitch&state=1&t=18&id=9o5qzg&comment=this.is.longer.than.the.79.bytes.of.a.device.with.its.line.feed",
                 "c=onerror&code=overflow&t=18&id=0uAAly",
             ),
         ] {

@@ -40,7 +40,8 @@ fn commands_of_the_line_protocol_on_a_bad_line() {
     let sim = sim("line", &["--press", "1000", "--lose", "0.003", "--seed", "5"]);
     let many: Vec<_> = (0..10).map(|number| format!("setswitch&state={}", number % 2)).collect();
     let many: Vec<_> = many.iter().map(String::as_str).collect();
-    let options = ["--id", "9o5qzg", "--wait", "ready", "--ack", "--checksum", "--attempts", "9"];
+    let options =
+        ["--id", "9o5qzg", "--wait", "ready", "--ack", "--checksum", "--recognises-repeats", "--attempts", "9"];
     let said = printed(&line(&sim.device, &[many.as_slice(), &options].concat()), FINISHED);
     assert_eq!(said.matches(" answered after ").count(), 11, "{said}");
 }

@@ -209,6 +209,7 @@ impl AsFd for Port {
 pub(crate) struct Device {
     path: PathBuf,
     port: Port,
+    baud: u32,
     gap: Duration,
     room: Box<[u8; 4096]>,
     /// How many bytes were read last.
@@ -226,7 +227,14 @@ impl Device {
         let (port, gap) = opened.map_err(|cause| Failure::of(path.display(), cause))?;
         // At low speeds, the time of some bytes.
         let gap = gap.max(Duration::from_secs(200) / options.baud);
-        Ok(Self { path: path.to_owned(), port, gap: options.gap().unwrap_or(gap), room: Box::new([0; 4096]), count: 0 })
+        let baud = if path.to_string_lossy().starts_with("tcp://") { 0 } else { options.baud };
+        let gap = options.gap().unwrap_or(gap);
+        Ok(Self { path: path.to_owned(), port, baud, gap, room: Box::new([0; 4096]), count: 0 })
+    }
+
+    /// Speed of the line in baud; 0 where that is not known.
+    pub(crate) const fn baud(&self) -> u32 {
+        self.baud
     }
 
     /// The silence that ends a message.

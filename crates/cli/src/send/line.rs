@@ -23,12 +23,20 @@ pub(super) struct LineOptions {
     /// Puts checksums in force first
     #[arg(long)]
     checksum: bool,
+    /// The device recognises repeated commands: what may have been executed is sent again too
+    #[arg(long)]
+    recognises_repeats: bool,
 }
 
 impl LineOptions {
     /// The first of them that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let given = [("--id", self.id.is_some()), ("--ack", self.ack), ("--checksum", self.checksum)];
+        let given = [
+            ("--id", self.id.is_some()),
+            ("--ack", self.ack),
+            ("--checksum", self.checksum),
+            ("--recognises-repeats", self.recognises_repeats),
+        ];
         given.into_iter().find_map(|(option, is_given)| is_given.then_some(option))
     }
 
@@ -45,7 +53,9 @@ pub(super) fn send(arguments: &Arguments, link: &mut Link, report: &mut Report) 
     let mut settings = Settings::new();
     // Twice what others take: at 9600 baud a line takes 67 ms.
     settings.timeout_ms = arguments.answer_ms(&link.device).saturating_mul(2);
-    settings.repeat_ms = settings.timeout_ms.saturating_mul(5).max(2000);
+    settings.repeat_ms = settings.timeout_ms.saturating_mul(5).max(4000);
+    settings.recognises = options.recognises_repeats.into();
+    settings.baud = link.device.baud();
     settings.repeats =
         arguments.attempts.map_or(0, |attempts| if attempts == 1 { -1 } else { i16::from(attempts) - 1 });
     let mut sender = Sender {
