@@ -83,7 +83,8 @@ pub struct Calls {
 #[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
 pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 
-/// A controller, to be made by `dp_controller_init`. All zero is one that does nothing.
+/// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one does
+/// nothing.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Controller {

@@ -39,7 +39,10 @@ extern "C" {
 /** Words of a controller's room. */
 #define DP_CONTROLLER_WORDS ((DP_DATA_MAX_SIZE / 4) + 13)
 
-/** A controller, to be made by `dp_controller_init`. All zero is one that does nothing. */
+/**
+ * A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one does
+ * nothing.
+ */
 struct dp_controller {
   LIBDELTAROBOT_WORD opaque[DP_CONTROLLER_WORDS];
 };

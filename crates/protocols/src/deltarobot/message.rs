@@ -1,6 +1,6 @@
 //! Messages: an opcode and its payload as one value (specification, section "Opcodes").
 
-use super::{Layout, Opcode, POSITION_SIZE, Place, Position, Report, SeenLayout, encode, report};
+use super::{Layout, Opcode, POSITION_SIZE, Position, Report, SeenLayout, report};
 
 /// Bytes of the longest payload that is written: a status report as shipped firmware sends it.
 pub const PAYLOAD_MAX: usize = 16;
@@ -98,14 +98,6 @@ impl Message {
             *place = byte;
         }
         length
-    }
-
-    /// Writes the frame that says this to the beginning of `out` and returns its length; `None` when it does not fit.
-    #[must_use]
-    pub fn encode<P: Place>(&self, layout: Layout, out: &mut [P]) -> Option<usize> {
-        let mut payload = [0; PAYLOAD_MAX];
-        let length = self.write(layout, &mut payload);
-        encode(self.opcode(), payload.get(..length).unwrap_or_default(), out)
     }
 }
 
