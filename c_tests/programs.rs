@@ -1,7 +1,9 @@
 //! Each program linked statically, linked to the shared library, under the sanitizers, under valgrind, and for
 //! other sizes than the default, as far as these concern it.
 
-use crate::support::{DEFAULT, Family, Language, Library, MODEL, Mode, Program, build, check, command, run, text};
+use crate::support::{
+    DEFAULT, Family, Language, Library, MODEL, Mode, Program, SMALLEST, Sizes, build, check, command, run, text,
+};
 
 /// The programs of a subject: each file of its directory is one.
 macro_rules! programs {
@@ -40,6 +42,11 @@ macro_rules! in_every_mode {
             }
 
             #[test]
+            fn with_small_leaves() {
+                check::<&str>(&$program, DEFAULT, Mode::SmallLeaves, &[]);
+            }
+
+            #[test]
             fn under_valgrind() {
                 check(&$program, DEFAULT, Mode::Valgrind, $program.args(Mode::Valgrind));
             }
@@ -56,7 +63,7 @@ macro_rules! in_every_mode {
 
 programs! {
     deltarobot(Deltarobot): better.c controller.c ext.c host_link.c host_session.c hostile.c
-        values_cpp.cpp payload.c pc_utils.cpp reentrant.c threads.c;
+        values_cpp.cpp payload.c pc_utils.cpp receiver.c reentrant.c threads.c;
     gx(Gx): contour.c contouring.c host.c hostile.c messages.c motion.c streams.c;
     line(Line): conversation.c device.c device_calls.c encoder.c host.c host_link.c messages.c;
     serial(Serial): serial.c;
@@ -78,6 +85,29 @@ mod special {
         robot: Program::of("robot", &["kinematics/robot.cpp"]).family(Family::Serial).needs_eigen();
         session_channel: Program::of("session_channel", &["deltarobot/session_channel.c"]).slowly(&["300"]);
         two_units: Program::of("two_units", &["deltarobot/two_units_a.c", "deltarobot/two_units_b.c"]);
+    }
+}
+
+/// Every stream of what matters, for the smallest rings.
+mod exhaustive {
+    use super::*;
+
+    const PROGRAM: Program = Program::of("exhaustive", &["deltarobot/exhaustive.c"]);
+    const PAYLOADS_OF_TWO: Sizes = Sizes::new(7, 2);
+
+    #[test]
+    fn streams_of_nine_bytes() {
+        check(&PROGRAM, PAYLOADS_OF_TWO, Mode::Static, &["9"]);
+    }
+
+    #[test]
+    fn streams_of_eight_bytes_with_small_leaves() {
+        check(&PROGRAM, PAYLOADS_OF_TWO, Mode::SmallLeaves, &["8"]);
+    }
+
+    #[test]
+    fn the_smallest_ring() {
+        check(&PROGRAM, SMALLEST, Mode::Sanitized, &["7"]);
     }
 }
 

@@ -3,7 +3,7 @@
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_uint, c_ulong};
 
-use super::sizes::DP_DATA_MAX_SIZE;
+use super::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
 use super::{contouring_protocol, controller, gx, gx_host, gx_motion, host, kinematics, line_protocol, protocol};
 
 /// A pointer to a function.
@@ -23,6 +23,7 @@ macro_rules! layouts {
 }
 
 layouts! {
+    protocol_data = protocol::ProtocolData { m_buf: [c_char; DP_BUFSIZE], m_idx: c_int, m_sz: c_int }
     protocol_msg = protocol::ProtocolMsg {
         opcode: c_uchar, data_s: c_int, data: [c_char; DP_DATA_MAX_SIZE], checksum_ok: c_int,
     }

@@ -50,6 +50,7 @@ pub mod payload;
 pub mod port;
 pub mod protocol;
 pub mod protocol_ext;
+pub mod receiver;
 mod ring;
 #[cfg(all(any(unix, windows), feature = "serial"))]
 pub mod serial;

@@ -81,7 +81,7 @@ pub(crate) unsafe fn ring_of<'a>(data: *mut ProtocolData) -> Option<&'a mut Ring
 }
 
 /// What `opcode` becomes when no frame was received: never the opcode of one.
-const NO_OPCODE: c_uchar = 0xFF;
+pub(crate) const NO_OPCODE: c_uchar = 0xFF;
 
 /// One message: what a frame carries.
 #[derive(Debug)]

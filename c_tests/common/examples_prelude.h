@@ -60,6 +60,12 @@ void handle_event(const struct dp_host_event *event);
 void handle_events(struct dp_host *host);
 #endif
 
+#ifdef LIBDELTAROBOT_RECEIVER_H
+extern struct dp_receiver receiver;
+extern unsigned char byte;
+extern int fetch;
+#endif
+
 #ifdef LIBDELTAROBOT_CONTROLLER_H
 extern struct dp_controller controller;
 int start_homing(void *usr);

@@ -108,6 +108,8 @@ pub(crate) enum Mode {
     Static,
     Shared,
     Sanitized,
+    /// As under the sanitizers, with a library that sums, copies and searches as it does where flash is scarce.
+    SmallLeaves,
     Valgrind,
 }
 
@@ -231,13 +233,14 @@ pub(crate) fn out_dir() -> PathBuf {
 }
 
 /// The sizes built in this run. Locked while building, as all sizes share cargo's directory.
-static BUILT: LazyLock<Mutex<HashSet<Sizes>>> = LazyLock::new(Mutex::default);
+static BUILT: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
 
 /// A library as `make` ships it.
 #[derive(Clone, Debug)]
 pub(crate) struct Library {
     pub(crate) dir: PathBuf,
     pub(crate) sizes: Sizes,
+    has_small_leaves: bool,
 }
 
 impl Library {
@@ -245,31 +248,46 @@ impl Library {
     pub(crate) fn of(sizes: Sizes) -> Self {
         if let Some(cross) = cross() {
             assert_eq!(sizes, DEFAULT, "not built for other machines");
-            return Self { dir: cross.library.clone(), sizes };
+            return Self { dir: cross.library.clone(), sizes, has_small_leaves: false };
         }
+        Self::built(Self { dir: out_dir().join(sizes.to_string()), sizes, has_small_leaves: false })
+    }
+
+    /// The library that a mode takes.
+    pub(crate) fn in_mode(sizes: Sizes, mode: Mode) -> Self {
+        if mode != Mode::SmallLeaves || cross().is_some() {
+            return Self::of(sizes);
+        }
+        Self::built(Self { dir: out_dir().join(format!("small-leaves-{sizes}")), sizes, has_small_leaves: true })
+    }
+
+    fn built(self) -> Self {
         let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
-        let library = Self { dir: out_dir().join(sizes.to_string()), sizes };
-        if !built.contains(&sizes) {
-            let output = library.make();
-            assert!(output.status.success(), "make lib for {sizes}:\n{}", text(&output));
-            built.insert(sizes);
+        if !built.contains(&self.dir) {
+            let output = self.make();
+            assert!(output.status.success(), "make lib for {}:\n{}", self.sizes, text(&output));
+            built.insert(self.dir.clone());
         }
-        library
+        self
     }
 
     /// Tries to build for sizes that can't be: what was said.
     pub(crate) fn refusal(sizes: Sizes) -> String {
         let _built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
-        let library = Self { dir: out_dir().join("refused"), sizes };
+        let library = Self { dir: out_dir().join("refused"), sizes, has_small_leaves: false };
         let output = library.make();
         assert!(!output.status.success(), "{sizes} was built");
         text(&output)
     }
 
     fn make(&self) -> Output {
-        Command::new("make")
-            .args(["lib", &format!("OUT={}", self.dir.display())])
-            .arg(format!("CARGO_DIR={}", out_dir().join("cargo").display()))
+        let mut make = Command::new("make");
+        if self.has_small_leaves {
+            make.env("RUSTFLAGS", "--cfg small_leaves");
+        }
+        let cargo_dir = out_dir().join(if self.has_small_leaves { "cargo-small-leaves" } else { "cargo" });
+        make.args(["lib", &format!("OUT={}", self.dir.display())])
+            .arg(format!("CARGO_DIR={}", cargo_dir.display()))
             .args(self.sizes.all().map(|(name, value)| format!("{name}={value}")))
             .current_dir(root())
             // What an outer `make test` was given is not for this build.
@@ -357,7 +375,7 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         command.arg(format!("-DDP_BUFSIZE={}", library.sizes.bufsize));
         command.arg(format!("-DDP_DATA_MAX_SIZE={}", library.sizes.data_max));
     }
-    if mode == Mode::Sanitized {
+    if matches!(mode, Mode::Sanitized | Mode::SmallLeaves) {
         command.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
     }
     if mode == Mode::Shared {
@@ -397,7 +415,7 @@ pub(crate) fn command(executable: &Path, library: &Library, mode: Mode) -> Comma
 
 /// Builds a program, runs it and asserts that it succeeds.
 pub(crate) fn check<A: AsRef<OsStr>>(program: &Program, sizes: Sizes, mode: Mode, args: &[A]) {
-    let library = Library::of(sizes);
+    let library = Library::in_mode(sizes, mode);
     let Some(executable) = build(program, &library, mode) else {
         return;
     };

@@ -7,6 +7,7 @@
  */
 #include "libdeltarobot/protocol.h"
 #include "libdeltarobot/protocol_ext.h"
+#include "libdeltarobot/receiver.h"
 
 #include "check.h"
 #include "model/model.h"
@@ -72,7 +73,30 @@ static void put_damaged_frame(void)
     size += length;
 }
 
-static void make_stream(int with_garbage, unsigned dollars_of_256, unsigned damaged_of_1000)
+/* Loses bytes, and with each the frame that it belongs to. */
+static void lose_bytes(unsigned lost_of_1000)
+{
+    int from, to = 0, frame = -1;
+
+    for (from = 0; from < size; ++from) {
+        if (intact[from])
+            frame = to;
+        if (one_of(1000) < lost_of_1000) {
+            if (frame >= 0)
+                intact[frame] = 0;
+            if (frame == to)
+                frame = -1;
+            continue;
+        }
+        stream[to] = stream[from];
+        intact[to] = frame == to;
+        ++to;
+    }
+    while (size > to)
+        intact[--size] = 0;
+}
+
+static void make_stream(int with_garbage, unsigned dollars_of_256, unsigned damaged_of_1000, unsigned lost_of_1000)
 {
     int i;
 
@@ -86,6 +110,7 @@ static void make_stream(int with_garbage, unsigned dollars_of_256, unsigned dama
         else
             put_frame();
     }
+    lose_bytes(lost_of_1000);
     /* So that no candidate is still incomplete at the end. */
     memset(stream + size, 0, WIRE_FRAME_MAX);
     size += WIRE_FRAME_MAX;
@@ -109,22 +134,34 @@ static void count_message(struct count *count, int *from, int start, int end)
         count->swallowed += intact[*from];
 }
 
+/* The ring and the receiver: both deliver the same, though not necessarily at the same byte. */
 static struct count through_library(void)
 {
     static struct protocol_data ring;
-    struct protocol_msg msg;
+    static struct dp_receiver receiver;
+    struct protocol_msg msg, other;
     struct count count = {0, 0};
     int from = 0, fed;
 
     memset(&ring, 0, sizeof ring);
+    memset(&receiver, 0, sizeof receiver);
     for (fed = 1; fed <= size; ++fed) {
+        int is_due = dp_receiver_byte(&receiver, stream[fed - 1]);
+
+        CHECK(is_due == 0 || is_due == 1);
         dp_process(&ring, stream + fed - 1, 1);
         while (dp_recv(&ring, &msg) == DP_RC_SUCCESS) {
             int end = fed - ring.m_sz;
             int start = end - msg.data_s - WIRE_OVERHEAD;
             if (CHECK(stands_at(start, msg.opcode, msg.data, msg.data_s)))
                 count_message(&count, &from, start, end);
+            CHECK(is_due);
+            CHECK_INT(dp_receiver_next(&receiver, &other), DP_RC_SUCCESS);
+            CHECK(other.opcode == msg.opcode && other.data_s == msg.data_s && other.checksum_ok == 1);
+            CHECK_BYTES(other.data, msg.data, msg.data_s);
         }
+        if (is_due)
+            CHECK(dp_receiver_next(&receiver, &other) != DP_RC_SUCCESS);
     }
     return count;
 }
@@ -202,7 +239,7 @@ static int kept_of_100(int piece)
 
 int main(void)
 {
-    make_stream(0, 0, 0);
+    make_stream(0, 0, 0, 0);
     compare("no noise");
 #if DP_BUFSIZE == 128 && DP_DATA_MAX_SIZE == 32
     /* As the README says. */
@@ -211,13 +248,17 @@ int main(void)
 #else
     kept_of_100(1024);
 #endif
-    make_stream(1, 1, 0);
+    make_stream(1, 1, 0, 0);
     compare("garbage between frames");
-    make_stream(0, 0, 10);
+    make_stream(0, 0, 10, 0);
     compare("1 % of the frames damaged");
-    make_stream(1, 85, 0);
+    make_stream(1, 85, 0, 0);
     compare("garbage, a third of it '$'");
-    make_stream(1, 85, 10);
+    make_stream(1, 85, 10, 0);
     compare("that, and 1 % of the frames damaged");
+    make_stream(0, 0, 0, 10);
+    compare("1 % of the bytes lost");
+    make_stream(0, 0, 0, 1);
+    compare("0.1 % of the bytes lost");
     return check_summary("noise");
 }

@@ -182,15 +182,12 @@ struct Oracle {
 }
 
 impl Oracle {
-    fn start(sizes: Sizes) -> Self {
+    fn start(sizes: Sizes, mode: Mode) -> Self {
         let program = Program::of("oracle", &["deltarobot/oracle.c", MODEL]);
-        let library = Library::of(sizes);
-        let executable = build(&program, &library, Mode::Sanitized).expect("always built");
-        let mut child = command(&executable, &library, Mode::Sanitized)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let library = Library::in_mode(sizes, mode);
+        let executable = build(&program, &library, mode).expect("always built");
+        let mut child =
+            command(&executable, &library, mode).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let questions = child.stdin.take();
         let answers = BufReader::new(child.stdout.take().unwrap());
         Self { child, questions, answers }
@@ -249,8 +246,8 @@ fn chunk_max(sizes: Sizes) -> usize {
 }
 
 /// `rounds` times as many streams as proptest is set to try (`PROPTEST_CASES`).
-fn check_streams(sizes: Sizes, rounds: u32) {
-    let oracle = Mutex::new(Oracle::start(sizes));
+fn check_streams(sizes: Sizes, mode: Mode, rounds: u32) {
+    let oracle = Mutex::new(Oracle::start(sizes, mode));
     let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let cases = config.cases.saturating_mul(rounds);
     TestRunner::new(ProptestConfig { cases, ..config })
@@ -263,15 +260,20 @@ fn check_streams(sizes: Sizes, rounds: u32) {
 
 #[test]
 fn random_streams() {
-    check_streams(DEFAULT, 10);
+    check_streams(DEFAULT, Mode::Sanitized, 10);
 }
 
 #[test]
 fn random_streams_with_the_longest_payloads() {
-    check_streams(LARGEST, 2);
+    check_streams(LARGEST, Mode::Sanitized, 2);
 }
 
 #[test]
 fn random_streams_through_the_smallest_ring() {
-    check_streams(Sizes::new(37, 32), 5);
+    check_streams(Sizes::new(37, 32), Mode::Sanitized, 5);
+}
+
+#[test]
+fn random_streams_with_small_leaves() {
+    check_streams(DEFAULT, Mode::SmallLeaves, 5);
 }

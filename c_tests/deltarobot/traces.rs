@@ -63,6 +63,11 @@ macro_rules! replayed {
             }
 
             #[test]
+            fn with_small_leaves() {
+                check(&REPLAY, SIZES, Mode::SmallLeaves, &traces_of(SIZES));
+            }
+
+            #[test]
             fn under_valgrind() {
                 check(&REPLAY, SIZES, Mode::Valgrind, &traces_of(SIZES));
             }

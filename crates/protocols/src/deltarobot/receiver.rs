@@ -1,5 +1,7 @@
 //! The receiver of frames: a buffer of one maximal frame.
 
+use core::cell::Cell;
+
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::frame::{FRAME_HEAD, FRAME_OVERHEAD, FRAME_START, Frame, NoFrame, Verdict, judge};
@@ -69,7 +71,7 @@ impl Observer for () {
     fn bad_checksum(&mut self) {}
 }
 
-/// Where in some bytes a frame was found: its opcode, the place of its payload and the length of that.
+/// A frame in the buffer: what it is, where its payload begins and how long that is.
 type Found = (Opcode, usize, usize);
 
 impl<const ROOM: usize> Receiver<ROOM> {
@@ -94,32 +96,46 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// Whether nothing is there that may be part of a frame.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.unread().is_empty()
+        let unread = self.buffer.get(usize::from(self.at)..usize::from(self.have));
+        unread.unwrap_or_default().is_empty()
     }
 
     /// Takes a byte, and says whether [`next`](Self::next) is to be called.
     ///
     /// # Errors
     ///
-    /// [`Full`] when [`next`](Self::next) was not called in spite of that, and five bytes have come or more since.
+    /// [`Full`] when [`next`](Self::next) was not called in spite of that, and a few bytes have come since.
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
         let have = self.have;
-        *self.buffer.get_mut(usize::from(have)).ok_or(Full)? = byte;
+        match self.buffer.get_mut(usize::from(have)) {
+            Some(place) => *place = byte,
+            None => {
+                // Whatever was waited for.
+                self.last = 0;
+                return Err(Full);
+            }
+        }
         self.have = have.wrapping_add(1);
         Ok(have >= self.last)
     }
 
     /// Takes bytes, as many as there is room for, and says how many. [`next`](Self::next) is to be called then.
     pub fn take(&mut self, input: &[u8]) -> usize {
-        let (at, have) = self.sound();
-        self.wait_at(at, have, ROOM);
-        let have = usize::from(self.have);
-        let room = self.buffer.get_mut(have..).unwrap_or_default();
-        let taken = input.len().min(room.len());
-        bytes::copy(input, room, |byte| byte);
-        (self.have, self.last) = (short(have.wrapping_add(taken)), 0);
+        if self.is_empty() {
+            self.clear();
+        }
+        self.move_to_front();
+        let taken = self.store(input);
+        self.last = 0;
         taken
+    }
+
+    /// Whether [`next`](Self::next) is to be called.
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_due(&self) -> bool {
+        self.have > self.last
     }
 
     /// Fetches the next frame: to be called until there is none.
@@ -140,7 +156,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     pub fn next_observed(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
         let found = self.find(false, observer)?;
-        Ok(frame(&self.buffer, found))
+        self.frame(found)
     }
 
     /// Like [`next`](Self::next) for a line that has been quiet for longer than a frame takes: what is incomplete will
@@ -152,7 +168,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     pub fn next_idle(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
         let found = self.find(true, observer)?;
-        Ok(frame(&self.buffer, found))
+        self.frame(found)
     }
 
     /// Fetches the next frame of what has been received and of the input behind it, which becomes what is left of it:
@@ -178,41 +194,46 @@ impl<const ROOM: usize> Receiver<ROOM> {
         observer: &mut impl Observer,
     ) -> Result<Frame<'a>, NoFrame> {
         let mut none = NoFrame::Waiting;
+        if usize::from(self.last) >= ROOM {
+            // No state that this code leaves.
+            self.last = 0;
+        }
         while !self.is_empty() {
-            match self.find(false, observer) {
-                Ok(found) => return Ok(frame(&self.buffer, found)),
-                Err(NoFrame::Garbage) => none = NoFrame::Garbage,
-                Err(NoFrame::Waiting) if input.is_empty() => return Err(none),
-                Err(NoFrame::Waiting) => {
-                    let missing = usize::from(self.last.wrapping_sub(self.have)).wrapping_add(1);
-                    let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
-                    let have = usize::from(self.have);
-                    bytes::copy(now, self.buffer.get_mut(have..).unwrap_or_default(), |byte| byte);
-                    self.have = short(have.wrapping_add(now.len()));
-                    *input = later;
+            if self.have <= self.last {
+                if input.is_empty() {
+                    return Err(none);
+                }
+                let missing = usize::from(self.last.wrapping_sub(self.have)).wrapping_add(1);
+                let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
+                // There is room: find() sees to that.
+                self.store(now);
+                *input = later;
+            } else {
+                match self.find(false, observer) {
+                    Ok(found) => return self.frame(found),
+                    Err(NoFrame::Garbage) => none = NoFrame::Garbage,
+                    Err(NoFrame::Waiting) => {}
                 }
             }
         }
         loop {
-            let skipped = match judge(*input, Self::LONGEST) {
+            match judge(*input, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
-                    let (now, later) = input.split_at_checked(length.wrapping_add(FRAME_OVERHEAD)).unwrap_or_default();
-                    *input = later;
-                    return Ok(frame(now, (opcode, FRAME_HEAD, length)));
+                    let (frame, behind) =
+                        input.split_at_checked(length.wrapping_add(FRAME_OVERHEAD)).unwrap_or_default();
+                    *input = behind;
+                    let payload = frame.get(FRAME_HEAD..FRAME_HEAD.wrapping_add(length)).unwrap_or_default();
+                    return Ok(Frame { opcode, payload });
                 }
                 Verdict::Needs(bytes) => {
                     self.clear();
-                    if !input.is_empty() {
-                        bytes::copy(input, &mut self.buffer, |byte| byte);
-                        self.have = short(input.len());
-                        self.last = short(bytes.max(FRAME_OVERHEAD).wrapping_sub(1));
-                        *input = &[];
-                    }
+                    self.store(input);
+                    *input = &[];
+                    self.last = short(bytes.wrapping_sub(1));
                     return Err(none);
                 }
-                Verdict::Fault(fault) => passed(input, fault, observer),
-            };
-            *input = input.get(skipped..).unwrap_or_default();
+                Verdict::Fault(fault) => *input = behind_fault(input, fault, observer),
+            }
             none = NoFrame::Garbage;
         }
     }
@@ -220,70 +241,83 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// Looks for a frame in the buffer, once as many bytes are there as that needs.
     #[inline(always)]
     fn find(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
-        if self.have <= self.last && usize::from(self.have) < ROOM && !idle {
+        if self.have <= self.last && !idle {
             return Err(NoFrame::Waiting);
         }
-        self.search(idle, observer)
-    }
-
-    fn search(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
-        let (mut at, have) = self.sound();
         let mut none = NoFrame::Waiting;
-        loop {
-            let unread = self.buffer.get(at..have).unwrap_or_default();
-            let skipped = match judge(unread, Self::LONGEST) {
+        let have = usize::from(self.have);
+        // Fields out of range are those of an empty receiver.
+        let Some(mut unread) = self.buffer.get(usize::from(self.at)..have) else { return Err(self.nothing(none)) };
+        let needed = loop {
+            if unread.is_empty() {
+                return Err(self.nothing(none));
+            }
+            let fault = match judge(unread, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
-                    self.wait_at(at.wrapping_add(length).wrapping_add(FRAME_OVERHEAD), have, 0);
+                    let at = have.wrapping_sub(unread.len());
+                    if unread.len() == length.wrapping_add(FRAME_OVERHEAD) {
+                        self.clear();
+                    } else {
+                        (self.last, self.at) = (0, short(at.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)));
+                    }
                     return Ok((opcode, at.wrapping_add(FRAME_HEAD), length));
                 }
-                Verdict::Needs(bytes) if !idle || unread.is_empty() => {
-                    self.wait_at(at, have, bytes.max(FRAME_OVERHEAD));
-                    return Err(none);
-                }
-                Verdict::Needs(_) => passed(unread, Fault::Start, observer),
-                Verdict::Fault(fault) => passed(unread, fault, observer),
+                Verdict::Needs(bytes) if !idle => break bytes,
+                Verdict::Needs(_) => Fault::Start,
+                Verdict::Fault(fault) => fault,
             };
-            at = at.wrapping_add(skipped);
+            unread = behind_fault(unread, fault, observer);
             none = NoFrame::Garbage;
-        }
+        };
+        self.wait_at(have.wrapping_sub(unread.len()), needed);
+        Err(none)
+    }
+
+    #[inline(always)]
+    fn nothing(&mut self, none: NoFrame) -> NoFrame {
+        self.clear();
+        none
+    }
+
+    /// The frame that was found in the buffer.
+    #[inline(always)]
+    fn frame(&self, (opcode, begin, length): Found) -> Result<Frame<'_>, NoFrame> {
+        let behind = self.buffer.get(begin..).ok_or(NoFrame::Waiting)?;
+        let payload = behind.get(..length).ok_or(NoFrame::Waiting)?;
+        Ok(Frame { opcode, payload })
     }
 
     /// Leaves the bytes from `at` on unread, until there are so many. Where these would not fit, they are moved to the
     /// front.
     #[inline(always)]
-    fn wait_at(&mut self, at: usize, have: usize, bytes: usize) {
-        if at == have {
-            return self.clear();
-        }
+    fn wait_at(&mut self, at: usize, bytes: usize) {
         let end = at.wrapping_add(bytes);
-        (self.have, self.last, self.at) = (short(have), short(end.wrapping_sub(1)), short(at));
-        if bytes == 0 {
-            self.last = 0;
-        } else if at != 0 && end > ROOM.wrapping_sub(SPARE) {
-            let left = have.wrapping_sub(at);
-            for to in 0..left {
-                // Not by copy_within, which is a call of memmove.
-                if let Some(byte) = self.buffer.get(at.wrapping_add(to)).copied()
-                    && let Some(place) = self.buffer.get_mut(to)
-                {
-                    *place = byte;
-                }
-            }
-            (self.have, self.last, self.at) = (short(left), short(bytes.wrapping_sub(1)), 0);
+        (self.last, self.at) = (short(end.wrapping_sub(1)), short(at));
+        if end > ROOM {
+            self.move_to_front();
         }
     }
 
-    /// Where the unread bytes begin and end. Fields out of range become those of an empty receiver.
-    #[inline(always)]
-    fn sound(&self) -> (usize, usize) {
-        let (at, have) = (usize::from(self.at), usize::from(self.have));
-        if at <= have && have <= ROOM { (at, have) } else { (0, 0) }
+    #[inline(never)]
+    fn move_to_front(&mut self) {
+        let cells = Cell::from_mut(self.buffer.as_mut_slice()).as_slice_of_cells();
+        // Not by copy_within, which is a call of memmove.
+        let Some(unread) = cells.get(usize::from(self.at)..usize::from(self.have)) else { return self.clear() };
+        for (to, from) in cells.iter().zip(unread) {
+            to.set(from.get());
+        }
+        (self.have, self.last, self.at) = (self.have.wrapping_sub(self.at), self.last.wrapping_sub(self.at), 0);
     }
 
+    /// Stores as many bytes behind the others as there is room for.
     #[inline(always)]
-    fn unread(&self) -> &[u8] {
-        let (at, have) = self.sound();
-        self.buffer.get(at..have).unwrap_or_default()
+    fn store(&mut self, input: &[u8]) -> usize {
+        let have = usize::from(self.have);
+        let room = self.buffer.get_mut(have..).unwrap_or_default();
+        let stored = input.len().min(room.len());
+        bytes::copy(input, room, |byte| byte);
+        self.have = short(have.wrapping_add(stored));
+        stored
     }
 }
 
@@ -293,22 +327,20 @@ impl<const ROOM: usize> Default for Receiver<ROOM> {
     }
 }
 
-/// How many bytes can't be part of a frame, where the first begins none: up to the next start of one.
+/// What stands behind bytes that can't be part of a frame, where the first begins none: what the next start begins.
 #[inline(always)]
-fn passed(bytes: &[u8], fault: Fault, observer: &mut impl Observer) -> usize {
+fn behind_fault<'a>(bytes: &'a [u8], fault: Fault, observer: &mut impl Observer) -> &'a [u8] {
     if fault == Fault::Checksum {
         observer.bad_checksum();
     }
-    let behind = bytes.get(1..).unwrap_or_default();
-    let skipped = bytes::find(FRAME_START, behind).unwrap_or(behind.len()).wrapping_add(1);
-    observer.skipped(skipped);
-    skipped
-}
-
-#[inline(always)]
-fn frame(bytes: &[u8], (opcode, begin, length): Found) -> Frame<'_> {
-    let payload = bytes.get(begin..begin.wrapping_add(length)).unwrap_or_default();
-    Frame { opcode, payload }
+    let mut rest = bytes.get(1..).unwrap_or_default();
+    while let [first, behind @ ..] = rest
+        && *first != FRAME_START
+    {
+        rest = behind;
+    }
+    observer.skipped(bytes.len().wrapping_sub(rest.len()));
+    rest
 }
 
 /// A place in the buffer or a number of bytes in it.
