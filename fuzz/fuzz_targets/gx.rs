@@ -17,7 +17,7 @@ const POSITIONS: std::ops::RangeInclusive<i32> = -(1 << 27)..=(1 << 27) - 1;
 
 /// The receiver of either end.
 trait Receiver: Plain {
-    const KINDS: [c_int; 4];
+    const KINDS: &[c_int];
     const RECEIVE: unsafe extern "C" fn(*mut Self, *const c_void, c_int, *mut Item) -> c_int;
     const IDLE: unsafe extern "C" fn(*mut Self, *mut Item) -> c_int;
 
@@ -39,13 +39,14 @@ trait Receiver: Plain {
 }
 
 impl Receiver for Commands {
-    const KINDS: [c_int; 4] = [GX_MALFORMED, GX_MOVE, GX_STEP, GX_REPORTING];
+    const KINDS: &[c_int] = &[GX_MALFORMED, GX_MOVE, GX_STEP, GX_REPORTING, GX_CONTROL];
     const RECEIVE: unsafe extern "C" fn(*mut Self, *const c_void, c_int, *mut Item) -> c_int = gx_commands_receive;
     const IDLE: unsafe extern "C" fn(*mut Self, *mut Item) -> c_int = gx_commands_idle;
 }
 
 impl Receiver for Notices {
-    const KINDS: [c_int; 4] = [GX_MALFORMED, GX_COMPLETED, GX_REFUSED, GX_POSITION];
+    const KINDS: &[c_int] =
+        &[GX_MALFORMED, GX_COMPLETED, GX_REFUSED, GX_POSITION, GX_CONFIRMED, GX_STATUS];
     const RECEIVE: unsafe extern "C" fn(*mut Self, *const c_void, c_int, *mut Item) -> c_int = gx_notices_receive;
     const IDLE: unsafe extern "C" fn(*mut Self, *mut Item) -> c_int = gx_notices_idle;
 }
@@ -71,7 +72,7 @@ fn fields(item: &Item) -> Fields {
 }
 
 fn in_range(item: &Item) {
-    assert!((GX_NONE..=GX_POSITION).contains(&item.kind), "{item:?}");
+    assert!((GX_NONE..=GX_STATUS).contains(&item.kind), "{item:?}");
     if item.kind == GX_NONE {
         return;
     }
@@ -142,6 +143,11 @@ fn written_again<R: Receiver>(item: &Item) {
             GX_COMPLETED => gx_write_completed(number, buf, cap),
             GX_REFUSED => gx_write_refused(format, number, item.code.into(), buf, cap),
             GX_POSITION => gx_write_position(format, vector, buf, cap),
+            GX_CONFIRMED => gx_write_confirmed(number, item.code.into(), buf, cap),
+            GX_STATUS => gx_write_status(format, item.period.into(), item.code.into(), buf, cap),
+            GX_CONTROL if c_int::from(item.code) != GX_CONTROL_UNKNOWN => {
+                gx_write_control(format, number, item.code.into(), buf, cap)
+            }
             _ => return,
         }
     };

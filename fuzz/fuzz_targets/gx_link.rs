@@ -62,7 +62,7 @@ impl link::World for Link {
     fn step(&mut self, input: &mut Input) {
         let choice = input.byte();
         let variant = choice >> 5;
-        match choice % 23 {
+        match choice % 24 {
             0..3 => self.request(input, variant),
             3 => self.report(input, variant),
             4 | 5 => {
@@ -93,6 +93,11 @@ impl link::World for Link {
             18 => self.motion_init(input, variant),
             19 => self.scribble(input, variant),
             20 => self.nulls(),
+            21 => {
+                let control = if variant < 4 { variant.into() } else { input.int() };
+                let rc = unsafe { gx_host_control(self.host.ptr(), control) };
+                assert_eq!(rc, c_int::from(!(0..4).contains(&control)));
+            }
             _ => self.exchange(),
         }
     }
@@ -195,8 +200,8 @@ impl Link {
     }
 
     fn happened(&mut self, event: &HostEvent) {
-        assert!((0..=4).contains(&event.kind) && (event.outcome != 0) == (event.kind == 1));
-        assert!((0..=6).contains(&event.outcome) && (0..256).contains(&event.code));
+        assert!((0..=GX_HOST_UNANSWERED).contains(&event.kind) && (event.outcome != 0) == (event.kind == 1));
+        assert!((0..=GX_HOST_DEVIATED).contains(&event.outcome) && (0..256).contains(&event.code));
         if self.sound[0] {
             assert!((-1..1 << 14).contains(&event.number) && event.code < 128);
         }
@@ -205,11 +210,12 @@ impl Link {
                 self.unfinished = self.unfinished.checked_sub(1).expect("ended once");
                 self.finished += usize::from(event.outcome == 1);
             }
-            2 if self.sound[0] => in_range(&event.position),
+            GX_HOST_REPORT | GX_HOST_DRIFT | GX_HOST_STOPPED if self.sound[0] => in_range(&event.position),
             _ => (),
         }
         if self.honest && self.sound == [true; 2] {
             assert!(self.finished <= self.done, "finished, but not carried out");
+            assert_ne!(event.outcome, GX_HOST_DEVIATED);
         }
     }
 
@@ -232,9 +238,14 @@ impl Link {
         let poll = |link: &Self, event: *mut MotionEvent| unsafe { gx_motion_poll(link.motion.ptr(), link.now, event) };
         let ended = fetch(self, times, 8, poll, |link, event| {
             if link.sound[1] {
-                assert!((0..=5).contains(&event.kind) && (event.code != 0) == (event.kind == 3), "{event:?}");
+                let has_code = event.kind == GX_MOTION_REFUSED || event.kind == GX_MOTION_STOP;
+                assert!((0..=GX_MOTION_STOP).contains(&event.kind) && (event.code != 0) == has_code, "{event:?}");
                 assert!((-1..1 << 14).contains(&event.number) && (0..128).contains(&event.code), "{event:?}");
                 assert!((0..1 << 14).contains(&event.period), "{event:?}");
+            }
+            if event.kind == GX_MOTION_STOP {
+                assert_eq!(unsafe { gx_motion_stop(link.motion.ptr(), 0) }, 0);
+                link.fetched = 0;
             }
         });
         assert!(ended || !self.sound[1], "there is no end of events");
@@ -316,6 +327,8 @@ impl Link {
             window: input.int(),
             ascii: c_int::from(input.byte() % 2),
             first_number: input.int(),
+            absolute_every: input.int(),
+            echo: c_int::from(input.byte() % 16 == 0),
         };
         let settings = if variant == 0 { null() } else { &raw const settings };
         assert_eq!(unsafe { gx_host_init(self.host.ptr(), settings) }, 0);
@@ -331,6 +344,7 @@ impl Link {
             gap_ms: c_ulong::from(input.byte()),
             axes: input.int(),
             only_in_order: c_int::from(input.byte() % 2),
+            host_ms: if input.byte() % 2 == 0 { 0 } else { c_ulong::from(input.byte()) * 50 },
         };
         // Or else it takes what comes next as from any host.
         self.honest &= variant != 0 && settings.only_in_order != 0;
