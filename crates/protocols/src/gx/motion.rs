@@ -73,24 +73,25 @@ pub use settings::{Health, Settings};
 /// A motion side that queues up to `QUEUE` moves, 1 to 255. All zero is a new one with default settings.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub struct Motion<const QUEUE: usize> {
-    settings: Settings,
-    health: Health,
-    queue: Queue<QUEUE>,
-    /// What is reported.
-    position: Vector,
-    reports: Reports,
-    notices: Notices,
-    order: Order,
-    pending: Pending,
+    // What is looked at with each byte comes first, the queue last: small machines reach what is near with less code.
     receiver: CommandReceiver,
-    /// When the last bytes came.
-    arrived_at: u32,
-    /// Whether the line was not quiet since.
+    pending: Pending,
+    /// Whether the line was not quiet since bytes came.
     busy: u8,
     /// Whether the last byte was ESC.
     escaped: u8,
     /// Why no moves are handed out: [`HELD`] or [`STOPPING`]; 0: they are.
     halt: u8,
+    /// When the last bytes came.
+    arrived_at: u32,
+    notices: Notices,
+    order: Order,
+    reports: Reports,
+    settings: Settings,
+    health: Health,
+    /// What is reported.
+    position: Vector,
+    queue: Queue<QUEUE>,
 }
 
 /// The time that is left until something that does not come.

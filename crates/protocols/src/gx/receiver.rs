@@ -61,11 +61,7 @@ pub type NoticeReceiver = Receiver<true>;
 /// What has come of a command or notice. All zero is a new receiver.
 #[derive(Clone, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Receiver<const NOTICES: bool> {
-    /// Axes and velocity so far; as the velocity, the period of reports too.
-    vector: Vector,
-    /// The value that is being read, packed groups or decimal digits; then the code.
-    value: u32,
-    number: Numbered,
+    /// One of the states above.
     state: u8,
     /// The first byte of what is binary; 0: it is ASCII.
     start: u8,
@@ -73,6 +69,11 @@ pub struct Receiver<const NOTICES: bool> {
     left: u8,
     /// Packed bytes of the value still to come. In ASCII: the number of the word. Of a code: the byte before it.
     place: u8,
+    number: Numbered,
+    /// The value that is being read, packed groups or decimal digits; then the code.
+    value: u32,
+    /// Axes and velocity so far; as the velocity, the period of reports too.
+    vector: Vector,
 }
 
 /// What became of a byte.

@@ -32,8 +32,8 @@ const ROOM: usize = 4;
 /// A few notices, the oldest first.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Notices {
-    list: [Notice; ROOM],
     count: u8,
+    list: [Notice; ROOM],
 }
 
 impl Notices {

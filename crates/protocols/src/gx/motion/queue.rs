@@ -20,9 +20,6 @@ const REPORTED: u8 = 0x80;
 /// The queue of a motion side: first the moves that have ended, then those that are carried out, then those that wait.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Queue<const SIZE: usize> {
-    moves: [Queued; SIZE],
-    /// Where the last of them leads to; the mask tells the axes whose place is known.
-    last: Vector,
     head: u8,
     count: u8,
     /// How many of them the firmware has taken, and how many of these it has done.
@@ -32,6 +29,9 @@ pub(super) struct Queue<const SIZE: usize> {
     named: u8,
     /// The check of the move whose end was reported last in this session, and [`REPORTED`]; 0: there was none.
     reported: u8,
+    /// Where the last of them leads to; the mask flags the axes whose place is known.
+    last: Vector,
+    moves: [Queued; SIZE],
 }
 
 impl<const SIZE: usize> Queue<SIZE> {
