@@ -98,7 +98,7 @@ if [ "$what" = test ]; then
     # The layouts, and the C tests of the other protocols, as they are, on what firmware gets. Not line_protocol.c: it
     # takes strtof for its measure, and newlib's rounds twice.
     lib=$root/target/firmware/thumbv7em-none-eabi
-    for program in deltarobot/layout gx/layout line/layout gx/contouring gx/messages gx/streams gx/contour gx/motion gx/host gx/hostile \
+    for program in line/layout gx/contouring gx/messages gx/streams gx/contour gx/motion gx/host gx/hostile \
         line/conversation line/encoder line/device line/device_calls line/host line/host_link; do
         quietly arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -std=gnu11 -O1 -ffunction-sections -I "$root/c_tests/common" \
             -I "$lib/include" --specs=rdimon.specs -nostartfiles -T "$tests/semihost.ld" -Wl,--gc-sections \
@@ -147,4 +147,7 @@ else
         "$lib/libdeltarobot.a"
     echo "avr-none ($mcu)"
     lines "$out/simavr_run" "$mcu" "$out/bench/avr.elf" mute
+    quietly avr-gcc "-mmcu=$mcu" -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections -I "$lib/include" \
+        -Wl,--gc-sections -o "$out/bench/gx.elf" "$example/avr/board.c" "$tests/gx_bench.c" "$lib/libdeltarobot.a"
+    lines "$out/simavr_run" "$mcu" "$out/bench/gx.elf" mute
 fi
