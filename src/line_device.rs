@@ -43,7 +43,7 @@ use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 
 use super::line_protocol::encoder::{keep, resume};
 use super::line_protocol::{LineEncoder, LineMessage};
-use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_SUCCESS};
+use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS};
 use super::memory::{bytes_of, duration, int, text_of, time};
 use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, Word, state};
@@ -158,6 +158,8 @@ pub(crate) struct State {
     usr: usize,
     /// How many devices were welcomed.
     welcomed: u16,
+    /// Not 0: nothing is to be sent but answers.
+    greeted: u8,
     /// Not 0 while `olp_device_poll` runs.
     serving: u8,
     /// Not 0: `setup` is to be announced by an event.
@@ -271,6 +273,7 @@ pub unsafe extern "C" fn olp_device_linksetup(
             let state = unsafe { &mut *state };
             state.setup = Setup::new(ack != 0, checksum != 0, window);
             state.announces = 1;
+            state.greeted = 0;
             OLP_RC_SUCCESS
         }
         _ => OLP_RC_ERROR_GENERIC,
@@ -327,6 +330,10 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
     unsafe {
         if (*state).serving != 0 {
             return OLP_RC_BUSY;
+        }
+        (*state).link.tick(time(now_ms));
+        if (*state).greeted != 0 && !(*state).receiver.has_ended() {
+            return OLP_RC_NO_EVENT;
         }
         (*state).serving = 1;
         let rc = serve(state, time(now_ms));

@@ -23,7 +23,6 @@ use deltarobot_protocols::line::{Message, Received};
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
-        (*device).link.tick(now);
         let table = (*device).table();
         let welcomed = usize::from((*device).welcomed);
         if let Some(info) = devices(&*table).get(welcomed) {
@@ -39,6 +38,7 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
             send_link_line(device, LinkLine::Setup((*device).setup), first_id(table));
             return OLP_RC_SUCCESS;
         }
+        (*device).greeted = 1;
         answer_line(device, now)
     }
 }

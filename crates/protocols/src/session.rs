@@ -40,6 +40,7 @@ pub fn times(setting: i16, default: u8, negative: u8) -> u8 {
 }
 
 /// Counts up; wraps at 2^32.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }

@@ -79,6 +79,8 @@ pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
     /// The t of the next message.
     next: u8,
     setup: Setup,
+    /// Bits 8 to 15 of the time that the answers know.
+    coarse: u8,
     /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
     /// after it.
     refused_setup: u16,
@@ -94,7 +96,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     pub const fn new() -> Self {
         let health = Health { commands: 0, repeats: 0, checksums: 0, malformed: 0, overflows: 0, refused: 0 };
         let setup = Setup::new(false, false, 0);
-        Self { answers: Answers::new(), health, repeat_ms: 0, refused_setup: 0, setup, next: 0 }
+        Self { answers: Answers::new(), health, repeat_ms: 0, refused_setup: 0, setup, next: 0, coarse: 0 }
     }
 
     /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
@@ -118,7 +120,12 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// It is `now`, in milliseconds: to be called before anything else that happens then.
     #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn tick(&mut self, now: u32) {
-        self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
+        // Answers are forgotten within a quarter of a second: that costs the less for each byte.
+        let [_, coarse, ..] = now.to_le_bytes();
+        if self.answers.is_fresh() || coarse != self.coarse {
+            self.coarse = coarse;
+            self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
+        }
     }
 
     /// Whether a line is a command that was received intact, and executed before.
@@ -147,6 +154,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         count(&mut self.health.commands);
         let mut place = None;
         if let Some(t) = t {
+            self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
             place = self.answers.find(t, sum, self.setup.window(), now);
             let steps = t.wrapping_add(1).wrapping_sub(self.next);
             if place.is_some() {

@@ -198,9 +198,20 @@ impl<'a> Encoder<'a> {
         }
     }
 
+    #[inline(never)]
     pub(super) fn put_all(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.put(*byte);
+        if self.error.is_some() {
+            return;
+        }
+        let behind = self.length.saturating_add(bytes.len());
+        match self.room.get_mut(self.length..behind) {
+            Some(room) => {
+                for (place, byte) in room.iter_mut().zip(bytes) {
+                    *place = *byte;
+                }
+                self.length = behind;
+            }
+            None => self.fail(EncodeError::TooLong),
         }
     }
 

@@ -28,7 +28,7 @@ enum Part {
 
 /// Both work on negative numbers, of which there is one more.
 macro_rules! integer {
-    ($type:ty, $ten_exponent_max:literal) => {
+    ($type:ty, $digits_max:literal) => {
         impl Integer for $type {
             fn read(text: Decoded<'_>) -> Result<Self, NumberError> {
                 let (mut sum, mut beyond, mut negative): (Self, _, _) = (0, false, false);
@@ -65,30 +65,30 @@ macro_rules! integer {
                 } else {
                     rest = rest.wrapping_neg();
                 }
-                let mut exponent: u8 = $ten_exponent_max;
+                let mut power: Self = -1;
+                let powers: [Self; $digits_max] = core::array::from_fn(|_| {
+                    let this = power;
+                    power = power.wrapping_mul(10);
+                    this
+                });
                 let mut begun = false;
-                loop {
-                    let power = (0..exponent).fold(-1, |power: Self, _| power.wrapping_mul(10));
+                for power in powers.iter().rev() {
                     let mut digit = b'0';
-                    while rest <= power {
-                        rest = rest.wrapping_sub(power);
+                    while rest <= *power {
+                        rest = rest.wrapping_sub(*power);
                         digit = digit.wrapping_add(1);
                     }
-                    begun |= digit != b'0' || exponent == 0;
+                    begun |= digit != b'0' || *power == -1;
                     if begun {
                         put(digit);
-                    }
-                    match exponent.checked_sub(1) {
-                        Some(next) => exponent = next,
-                        None => return,
                     }
                 }
             }
         }
     };
 }
-integer!(i32, 9);
-integer!(i64, 18);
+integer!(i32, 10);
+integer!(i64, 19);
 
 #[cfg(test)]
 mod tests {

@@ -48,7 +48,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
     /// Takes bytes up to the end of the next line and returns how many those were: none while a line is there, see
     /// [`release`](Self::release).
     pub fn take(&mut self, bytes: &[u8]) -> usize {
-        if self.state == COMPLETE || self.state == LOST {
+        if self.has_ended() {
             return 0;
         }
         let mut used = usize::from(self.used);
@@ -84,6 +84,13 @@ impl<const SIZE: usize> Receiver<SIZE> {
         taken
     }
 
+    /// Whether there is something to [`release`](Self::release).
+    #[must_use]
+    #[inline(always)]
+    pub const fn has_ended(&self) -> bool {
+        self.state == COMPLETE || self.state == LOST
+    }
+
     /// What was received.
     #[must_use]
     pub fn received(&self) -> Received<'_> {
@@ -96,7 +103,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
 
     /// Drops the line that was received, to make room for the next.
     pub const fn release(&mut self) {
-        if self.state == COMPLETE || self.state == LOST {
+        if self.has_ended() {
             self.clear();
         }
     }

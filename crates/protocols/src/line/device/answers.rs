@@ -55,9 +55,15 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         }
     }
 
+    /// Whether a command has been executed since the time was given.
+    pub(super) const fn is_fresh(&self) -> bool {
+        self.fresh != 0
+    }
+
     /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
     /// not count as time since. What was executed or repeated last `span` milliseconds ago is forgotten, before the
     /// clock comes round.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub(super) fn tick(&mut self, now: u32, span: u32) {
         if self.fresh != 0 {
             self.fresh = 0;

@@ -39,10 +39,11 @@ impl Welcome<'_> {
         if self.pos != 0 {
             line.int(b"pos", self.pos);
         }
-        for (name, text) in [(&b"name"[..], self.name), (b"version", self.version)] {
-            if let Some(text) = text {
-                line.text(name, text);
-            }
+        if let Some(name) = self.name {
+            line.text(b"name", name);
+        }
+        if let Some(version) = self.version {
+            line.text(b"version", version);
         }
         line.finish(false)
     }
