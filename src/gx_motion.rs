@@ -201,10 +201,14 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     let Some(motion) = (unsafe { Room::get(motion) }).filter(|_| !event.is_null()) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let happened = motion.poll(time(now_ms));
+    let Some(happened) = motion.poll(time(now_ms)) else {
+        // SAFETY: event is not NULL.
+        unsafe { (*event).kind = 0 };
+        return GX_RC_NO_EVENT;
+    };
     // SAFETY: event is not NULL, and does not overlap with motion.
     unsafe { write_event(event, happened) };
-    if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
+    GX_RC_SUCCESS
 }
 
 /// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
@@ -385,17 +389,16 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mu
 /// # Safety
 ///
 /// event points to writable memory of its type.
-unsafe fn write_event(event: *mut MotionEvent, happened: Option<Event>) {
+unsafe fn write_event(event: *mut MotionEvent, happened: Event) {
     let (kind, number, code, period) = match happened {
-        None => (0, None, 0, 0),
-        Some(Event::Queued(number)) => (GX_MOTION_QUEUED, number, 0, 0),
-        Some(Event::Repeated(number)) => (GX_MOTION_REPEATED, number, 0, 0),
-        Some(Event::Refused(number, code)) => (GX_MOTION_REFUSED, number, code, 0),
-        Some(Event::Begun(number)) => (GX_MOTION_BEGUN, number, 0, 0),
-        Some(Event::Reporting(period)) => (GX_MOTION_REPORTING, None, 0, period),
-        Some(Event::Hold) => (GX_MOTION_HOLD, None, 0, 0),
-        Some(Event::Resume) => (GX_MOTION_RESUME, None, 0, 0),
-        Some(Event::Stop(code)) => (GX_MOTION_STOP, None, code, 0),
+        Event::Queued(number) => (GX_MOTION_QUEUED, number, 0, 0),
+        Event::Repeated(number) => (GX_MOTION_REPEATED, number, 0, 0),
+        Event::Refused(number, code) => (GX_MOTION_REFUSED, number, code, 0),
+        Event::Begun(number) => (GX_MOTION_BEGUN, number, 0, 0),
+        Event::Reporting(period) => (GX_MOTION_REPORTING, None, 0, period),
+        Event::Hold => (GX_MOTION_HOLD, None, 0, 0),
+        Event::Resume => (GX_MOTION_RESUME, None, 0, 0),
+        Event::Stop(code) => (GX_MOTION_STOP, None, code, 0),
     };
     // SAFETY: the same contract.
     unsafe {

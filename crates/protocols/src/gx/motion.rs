@@ -158,6 +158,14 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     /// The next event; `None` when nothing has happened.
     pub fn poll(&mut self, now: u32) -> Option<Event> {
+        // Right behind a byte, no time has passed.
+        if now != self.arrived_at {
+            self.on_timer(now);
+        }
+        self.pending.take()
+    }
+
+    fn on_timer(&mut self, now: u32) {
         if self.gap_left(now) == 0 && self.has_room() {
             self.busy = 0;
             if let Some(kind) = self.receiver.idle() {
@@ -167,7 +175,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if self.pending.is_none() && self.silence_left(now) == 0 {
             self.demand_stop(Fault::Silent, self.reports.format());
         }
-        self.pending.take()
     }
 
     /// Takes the next move to carry out, if there is one: the mask flags the axes that it names, and the velocity if
