@@ -29,7 +29,7 @@ pub const fn is_position(value: i32) -> bool {
 /// Whether a delta can be written.
 #[inline(always)]
 pub const fn is_delta(value: i32) -> bool {
-    value.wrapping_add(DELTA_MAX).cast_unsigned() <= 2 * DELTA_MAX.cast_unsigned()
+    value.wrapping_add(DELTA_MAX).cast_unsigned() <= DELTA_MAX.cast_unsigned() << 1
 }
 
 /// The lowest seven bits.
@@ -66,7 +66,6 @@ pub const fn signed28(groups: u32) -> i32 {
 
 /// The value of the last two groups.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "14 bits")]
 pub const fn unsigned14(groups: u32) -> u16 {
     (groups >> 18) as u16
 }

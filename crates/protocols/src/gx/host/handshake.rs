@@ -58,7 +58,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         let is_this = number == self.handshake;
         match self.stage {
             FIRST if is_this => {
-                let stage = if !self.is.has(Is::Repeated) { SECOND } else { LATE };
+                let stage = if self.is.has(Is::Repeated) { LATE } else { SECOND };
                 self.ask(stage, number.wrapping_add(STRIDE));
             }
             // Behind this no late answer to the first can come: what it is answered by when it is sent once more

@@ -51,7 +51,7 @@ impl<const SIZE: usize> Queue<SIZE> {
 
     /// The number of the oldest of them whose end a host waits for.
     pub(super) fn awaited(&self) -> Numbered {
-        self.find(|number| number.is_some())
+        self.find(Numbered::is_some)
     }
 
     /// Whether the move with this number is one of them.
