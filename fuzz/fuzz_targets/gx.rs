@@ -45,8 +45,7 @@ impl Receiver for Commands {
 }
 
 impl Receiver for Notices {
-    const KINDS: &[c_int] =
-        &[GX_MALFORMED, GX_COMPLETED, GX_REFUSED, GX_POSITION, GX_CONFIRMED, GX_STATUS];
+    const KINDS: &[c_int] = &[GX_MALFORMED, GX_COMPLETED, GX_REFUSED, GX_POSITION, GX_CONFIRMED, GX_STATUS];
     const RECEIVE: unsafe extern "C" fn(*mut Self, *const c_void, c_int, *mut Item) -> c_int = gx_notices_receive;
     const IDLE: unsafe extern "C" fn(*mut Self, *mut Item) -> c_int = gx_notices_idle;
 }

@@ -27,7 +27,7 @@ type Function = unsafe extern "C" fn(*const RobotConfiguration, *const f32, *mut
 
 fn answer(function: Function, robot: &RobotConfiguration, given: [f32; 3]) -> Option<[f32; 3]> {
     let mut found = Box::new([f32::NAN; 3]);
-    let code = unsafe { function(robot, Box::new(given).as_ptr(), found.as_mut_ptr()) };
+    let code = unsafe { function(robot, given.as_ptr(), found.as_mut_ptr()) };
     match code {
         0 => assert!(found.iter().all(|number| number.is_finite()), "{found:?}"),
         1 | DP_RC_NO_POSE => assert!(found.iter().all(|number| number.is_nan()), "{found:?}"),

@@ -6,12 +6,12 @@ use std::ffi::{c_int, c_void};
 
 use deltarobot::protocol::*;
 use deltarobot::protocol_ext::*;
-use deltarobot::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
+use deltarobot::receiver::*;
+use deltarobot::sizes::DP_BUFSIZE;
 use deltarobot_fuzz::contract::{Standing, frame, standing};
 use deltarobot_fuzz::input::Input;
 use deltarobot_fuzz::message::{empty_ring, payload, unread};
-use deltarobot_fuzz::object::Plain;
-use deltarobot_protocols::deltarobot::{Frame, NoFrame, Receiver, receiver_room};
+use deltarobot_fuzz::object::{Object, Plain};
 use libfuzzer_sys::fuzz_target;
 
 /// A message that was received: the bytes that `dp_send` makes of it.
@@ -33,75 +33,54 @@ fuzz_target!(|input: &[u8]| {
     assert_eq!(by_bytes, heard);
     assert_eq!(unread(&same_rest), unread(&rest));
 
-    for stop_every in [0, 1, 3] {
-        let (by_each, same_rest) = by_each(&stream, idx, cuts, stop_every);
-        assert_eq!(by_each, heard);
-        assert_eq!(unread(&same_rest), unread(&rest));
-    }
     let waiting = unread(&rest);
-    for (by_receiver, in_parts) in
-        [(by_bytes_received(&stream), "by bytes"), (by_parts_received(&stream, cuts), "in parts")]
-    {
-        let (received, mut receiver) = by_receiver;
-        assert_eq!(received, heard, "{in_parts}");
-        check_receiver_idle(&mut receiver, &waiting);
+    let mut receiver = Object::default();
+    assert_eq!(by_receiver(&stream, &receiver), heard);
+    check_receiver_idle(&receiver, &waiting);
+    for stop_every in [0, 1, 3] {
+        let mut same_rest = empty_ring(idx);
+        let each = |buf, size, usr| unsafe { dp_process_each(&raw mut *same_rest, buf, size, Some(on_msg), usr) };
+        assert_eq!(by_each(&stream, cuts, stop_every, each), heard);
+        drain(&mut same_rest, &mut Vec::new());
+        assert_eq!(unread(&same_rest), waiting);
+
+        let each = |buf, size, usr| unsafe { dp_receiver_each(receiver.ptr(), buf, size, Some(on_msg), usr) };
+        assert_eq!(by_each(&stream, cuts, stop_every, each), heard);
+        check_receiver_idle(&receiver, &waiting);
     }
+    receiver.scribble(&mut Input(&stream), 0..0);
+    by_receiver(&stream, &receiver);
     check_idle(&mut rest);
 });
 
-type FrameReceiver = Receiver<{ receiver_room(DP_DATA_MAX_SIZE) }>;
-
-fn wire(found: Frame<'_>) -> Wire {
-    frame(found.opcode.0, found.payload)
-}
-
-/// The receiver of the core, a byte at a time. It is asked only when it says so.
-fn by_bytes_received(stream: &[u8]) -> (Vec<Wire>, FrameReceiver) {
-    let (mut receiver, mut heard) = (FrameReceiver::new(), Vec::new());
+/// Feeds the stream to a receiver byte by byte. It is asked when it says so.
+fn by_receiver(stream: &[u8], receiver: &Object<Receiver>) -> Vec<Wire> {
+    let (mut msg, mut heard) = (Box::new(ProtocolMsg::zero()), Vec::new());
     for byte in stream {
-        if receiver.byte(*byte).expect("there is room, as frames are fetched") {
-            while let Ok(found) = receiver.next() {
-                heard.push(wire(found));
-            }
-        }
-    }
-    (heard, receiver)
-}
-
-/// In parts of any length: those that are taken into its buffer first, and those whose frames it finds where they are.
-fn by_parts_received(stream: &[u8], cuts: &[u8]) -> (Vec<Wire>, FrameReceiver) {
-    let (mut receiver, mut heard) = (FrameReceiver::new(), Vec::new());
-    let mut rest = stream;
-    for part in 0.. {
-        let cut = cuts.get(part % 8).map_or(usize::MAX, |&cut| usize::from(cut) * 3 + 1);
-        let (mut now, later) = rest.split_at(cut.min(rest.len()));
-        rest = later;
-        if cut % 2 == 0 {
-            while !now.is_empty() {
-                let taken = receiver.take(now);
-                assert!(taken > 0, "there is room, as frames are fetched");
-                now = &now[taken..];
-                while let Ok(found) = receiver.next() {
-                    heard.push(wire(found));
+        match unsafe { dp_receiver_byte(receiver.ptr(), *byte) } {
+            0 => (),
+            // Full, if it held anything before.
+            due => {
+                while unsafe { dp_receiver_next(receiver.ptr(), &raw mut *msg) } == DP_RC_SUCCESS {
+                    heard.push(received(&mut msg));
+                }
+                if due < 0 {
+                    assert!(unsafe { dp_receiver_byte(receiver.ptr(), *byte) } >= 0, "there is room now");
                 }
             }
-        } else {
-            while let Ok(found) = receiver.next_of(&mut now) {
-                heard.push(wire(found));
-            }
-            assert!(now.is_empty());
-        }
-        if rest.is_empty() {
-            break;
         }
     }
-    (heard, receiver)
+    heard
 }
 
 /// On a quiet line the receiver gives up what it waits for, and delivers the frames in it, as the grammar says, applied at
 /// each place. There may be garbage in front, too short to be judged.
-fn check_receiver_idle(receiver: &mut FrameReceiver, waiting: &[u8]) {
-    assert!(waiting.is_empty() || !receiver.is_empty());
+fn check_receiver_idle(receiver: &Object<Receiver>, waiting: &[u8]) {
+    let mut msg = Box::new(ProtocolMsg::zero());
+    let mut idle = || match unsafe { dp_receiver_idle(receiver.ptr(), &raw mut *msg) } {
+        DP_RC_SUCCESS => Ok(received(&mut msg)),
+        code => Err(code),
+    };
     let mut rest = waiting;
     let mut skipped = false;
     while !rest.is_empty() {
@@ -109,13 +88,12 @@ fn check_receiver_idle(receiver: &mut FrameReceiver, waiting: &[u8]) {
             (rest, skipped) = (&rest[1..], true);
             continue;
         };
-        let found = receiver.next_idle(&mut ()).map(wire);
-        assert_eq!(found, Ok(frame(opcode, &payload)));
+        assert_eq!(idle(), Ok(frame(opcode, &payload)));
         (rest, skipped) = (&rest[payload.len() + 5..], false);
     }
-    let none = receiver.next_idle(&mut ()).map(wire);
-    assert!(none == Err(NoFrame::Garbage) || !skipped && none == Err(NoFrame::Waiting), "{none:?}");
-    assert!(receiver.is_empty());
+    let none = idle();
+    assert!(none == Err(DP_RC_GARBAGE) || !skipped && none == Err(DP_RC_NO_FRAME), "{none:?}");
+    assert_eq!(idle(), Err(DP_RC_NO_FRAME), "it is empty");
 }
 
 fn received(msg: &mut ProtocolMsg) -> Wire {
@@ -158,22 +136,30 @@ fn by_pairs(stream: &[u8], idx: usize, cut: impl Fn(usize) -> usize) -> (Vec<Wir
     (heard, data)
 }
 
-/// Feeds the stream by `dp_process_each` in parts of any length, and stops at each `stop_every`th message.
-fn by_each(stream: &[u8], idx: usize, cuts: &[u8], stop_every: usize) -> (Vec<Wire>, Box<ProtocolData>) {
-    struct Listener {
-        heard: Vec<Wire>,
-        stop_every: usize,
-    }
-    unsafe extern "C" fn on_msg(msg: *const ProtocolMsg, usr: *mut c_void) -> c_int {
-        let listener = unsafe { &mut *usr.cast::<Listener>() };
-        listener.heard.push(received(&mut unsafe { &*msg }.copy()));
-        c_int::from(listener.stop_every > 0 && listener.heard.len().is_multiple_of(listener.stop_every))
-    }
-    let mut data = empty_ring(idx);
+/// What the callback of `dp_process_each` and `dp_receiver_each` has heard.
+struct Listener {
+    heard: Vec<Wire>,
+    stop_every: usize,
+}
+
+unsafe extern "C" fn on_msg(msg: *const ProtocolMsg, usr: *mut c_void) -> c_int {
+    let listener = unsafe { &mut *usr.cast::<Listener>() };
+    listener.heard.push(received(&mut unsafe { &*msg }.copy()));
+    c_int::from(listener.stop_every > 0 && listener.heard.len().is_multiple_of(listener.stop_every))
+}
+
+/// Feeds the stream in parts of any length, and stops at each `stop_every`th message.
+fn by_each(
+    stream: &[u8],
+    cuts: &[u8],
+    stop_every: usize,
+    mut each: impl FnMut(*const c_void, c_int, *mut c_void) -> c_int,
+) -> Vec<Wire> {
     let mut listener = Listener { heard: Vec::new(), stop_every };
     let mut rest = stream;
     for part in 0.. {
-        let cut = cuts.get(part % 8).map_or(usize::MAX, |&cut| usize::from(cut) * 3);
+        // All the cuts may be 0.
+        let cut = cuts.get(part % 8).map_or(usize::MAX, |&cut| usize::from(cut) * 3 + usize::from(part > 100));
         let (now, later) = rest.split_at(cut.min(rest.len()));
         rest = later;
         let mut from = 0;
@@ -181,8 +167,7 @@ fn by_each(stream: &[u8], idx: usize, cuts: &[u8], stop_every: usize) -> (Vec<Wi
             let heard_before = listener.heard.len();
             let usr = (&raw mut listener).cast();
             let (buf, size) = (now[from..].as_ptr().cast(), (now.len() - from) as c_int);
-            let taken = unsafe { dp_process_each(&raw mut *data, buf, size, Some(on_msg), usr) };
-            from += usize::try_from(taken).unwrap();
+            from += usize::try_from(each(buf, size, usr)).unwrap();
             let stopped = stop_every > 0
                 && listener.heard.len() > heard_before
                 && listener.heard.len().is_multiple_of(stop_every);
@@ -194,13 +179,8 @@ fn by_each(stream: &[u8], idx: usize, cuts: &[u8], stop_every: usize) -> (Vec<Wi
         if rest.is_empty() {
             break;
         }
-        if part > stream.len() {
-            // All cuts are 0.
-            return by_each(stream, idx, &[], stop_every);
-        }
     }
-    drain(&mut data, &mut Vec::new());
-    (listener.heard, data)
+    listener.heard
 }
 
 /// Finds the place in the stream of each message: the first where its bytes are, behind the one before. No other
