@@ -199,7 +199,7 @@ uninstall: ## removes what install put there, given the same directories
 # features, for the same file, and compile both anew each time.
 CLI_DIR := $(CARGO_DIR)/cli
 # Compiled on all cores, unlike the library, for which each byte counts; and a panic removes links.
-CLI_PROFILE := CARGO_PROFILE_RELEASE_LTO=thin CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_PANIC=unwind
+CLI_PROFILE := CARGO_PROFILE_RELEASE_LTO=false CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_PANIC=unwind
 cli: ## builds the program `deltarobot`
 	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) build $(QUIET) --release -p deltarobot-cli \
 	    --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
