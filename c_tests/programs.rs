@@ -78,7 +78,6 @@ mod special {
         gx_real_links: Program::of("gx_real_links", &["gx/real_links.c"]).family(Family::Gx).slowly(&["300"]);
         kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
         values: Program::of("values", &["deltarobot/values.c"]).language(Language::C11);
-        line_layout: Program::of("line_layout", &["line/layout.c"]).language(Language::C11).family(Family::Line);
         line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
         cross_comm: Program::of("cross_comm", &["../test/cross_comm.cpp"]);
         noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);

@@ -13,7 +13,6 @@
 //! ```
 
 use core::ffi::{c_float, c_int};
-use core::mem::{align_of, offset_of, size_of};
 
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
 use deltarobot_export::export;
@@ -44,12 +43,6 @@ pub struct RobotConfiguration {
     /// The distance of leg 2's end from the plane of the others.
     pub d_e: c_float,
 }
-
-const _: () = {
-    assert!(size_of::<RobotConfiguration>() == 44 && align_of::<RobotConfiguration>() == align_of::<c_float>());
-    assert!(offset_of!(RobotConfiguration, A2) == 12 && offset_of!(RobotConfiguration, A3) == 24);
-    assert!(offset_of!(RobotConfiguration, d_B1B3) == 36 && offset_of!(RobotConfiguration, d_e) == 40);
-};
 
 /// Inverse kinematics: how long the three legs are when the middle of the platform's edge is at pose.
 ///

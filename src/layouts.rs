@@ -4,7 +4,10 @@
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_uint, c_ulong};
 
 use super::sizes::{DP_BUFSIZE, DP_DATA_MAX_SIZE};
-use super::{contouring_protocol, controller, gx, gx_host, gx_motion, host, kinematics, line_protocol, protocol};
+use super::{
+    contouring_protocol, controller, gx, gx_host, gx_motion, host, kinematics, line_device, line_host, line_protocol,
+    protocol,
+};
 
 /// A pointer to a function.
 type Function = Option<unsafe extern "C" fn()>;
@@ -60,6 +63,37 @@ layouts! {
         name: *const c_char, name_length: c_int, value: *const c_char, value_length: c_int,
     }
     olp_line = line_protocol::LineText { kind: c_int, text: *const c_char, length: c_int }
+
+    olp_encoder = line_protocol::LineEncoder { buf: *const c_char, cap: c_int, length: c_int, error: c_int }
+    olp_host_settings = line_host::Settings {
+        timeout_ms: c_ulong, answer_ms: c_ulong, repeat_ms: c_ulong, repeats: c_int, recognises: c_int, baud: c_ulong,
+        receive_room: c_int,
+    }
+    olp_host_link = line_host::Link { ack: c_int, checksum: c_int, windowsize: c_uint }
+    olp_host_health = line_host::Health {
+        lines: c_ulong, strays: c_ulong, malformed: c_ulong, overlong: c_ulong, lost: c_ulong, errors: c_ulong,
+        restarts: c_ulong, overflows: c_ulong, timeouts: c_ulong, repeats: c_ulong, rtt_count: c_ulong,
+        rtt_last: c_ulong, rtt_min: c_ulong, rtt_max: c_ulong, rtt_sum: c_ulong,
+    }
+    olp_host_device = line_host::Device {
+        id: [c_char; 16], r#type: [c_char; 48], name: [c_char; 32], version: [c_char; 16], pos: c_int, cut: c_int,
+    }
+    olp_host_event = line_host::event::LineHostEvent {
+        kind: c_int, handle: c_int, outcome: c_int, device: c_int, error: c_int, lost: c_int, link: line_host::Link,
+        message: line_protocol::LineMessage,
+    }
+    olp_device_info = line_device::DeviceInfo {
+        id: *const c_char, r#type: *const c_char, pos: c_int, name: *const c_char, version: *const c_char,
+    }
+    olp_command = line_device::Command { id: *const c_char, name: *const c_char, run: Function }
+    olp_device_table = line_device::DeviceTable {
+        devices: *const line_device::DeviceInfo, device_count: c_int, commands: *const line_device::Command,
+        command_count: c_int, send: Function, repeat_ms: c_ulong,
+    }
+    olp_device_health = line_device::DeviceHealth {
+        commands: c_ulong, repeats: c_ulong, checksums: c_ulong, malformed: c_ulong, overflows: c_ulong,
+        refused: c_ulong,
+    }
 
     gx_vector = gx::Vector { velocity: u16, mask: c_uchar, axes: [i32; 6] }
     gx_number = gx::Number { value: u16, format: c_uchar }

@@ -105,6 +105,34 @@ fn every_cpp_standard_with_clang() {
     }
 }
 
+/// The library would write behind the ends of packed structs: whoever packs them by an option or a pragma is told so.
+#[test]
+fn packed_structs_do_not_compile() {
+    let library = Library::of(DEFAULT);
+    let source = out_dir().join("packed.c");
+    for header in headers(&library) {
+        if CPP_ONLY.contains(&header.as_str()) || ["libdeltarobot/abi.h", "libdeltarobot/sizes.h"].contains(&&*header) {
+            continue;
+        }
+        for (before, option, packs) in [
+            ("", "-O1", false),
+            ("", "-fpack-struct", true),
+            ("#pragma pack(1)\n", "-O1", true),
+            ("#pragma pack(4)\n", "-O1", true),
+        ] {
+            fs::write(&source, format!("{before}#include \"{header}\"\n")).unwrap();
+            for (language, standard) in [("c", "c89"), ("c", "c2x"), ("c++", "c++98"), ("c++", "c++2b")] {
+                let mut command = compiler(language == "c++");
+                command.args(["-x", language, &format!("-std={standard}"), option, "-fsyntax-only", "-I"]);
+                let output = run(command.arg(library.include()).arg(&source));
+                let refused = text(&output).contains("structs_must_not_be_packed");
+                assert_eq!(output.status.success(), !packs, "{header} {before} {option} {standard}: {}", text(&output));
+                assert_eq!(refused, packs, "{}", text(&output));
+            }
+        }
+    }
+}
+
 #[test]
 fn the_checked_in_sizes_are_the_default_ones() {
     let fresh = fs::read_to_string(Library::of(DEFAULT).include().join("libdeltarobot/sizes.h")).unwrap();

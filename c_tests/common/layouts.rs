@@ -1,5 +1,6 @@
 //! The layouts that `src/layouts.rs` lists and Rust asserts, asserted of the headers in C and in C++.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::fs;
 
@@ -95,4 +96,23 @@ fn are_as_listed_in_cpp() {
     for sizes in [DEFAULT, SMALLEST, LARGEST] {
         are_as_listed(sizes, true);
     }
+}
+
+/// Every struct of a header is listed, or opaque.
+#[test]
+fn all_are_listed() {
+    let library = Library::of(DEFAULT);
+    let listed: HashSet<String> = listed().into_iter().map(|(name, _)| name).collect();
+    let mut missing = Vec::new();
+    for header in headers(&library).iter().filter(|header| !CPP_ONLY.contains(&header.as_str())) {
+        let header = fs::read_to_string(library.include().join(header)).unwrap();
+        for item in header.split("\nstruct ").skip(1) {
+            let (name, body) = item.split_once(' ').unwrap();
+            let is_opaque = body.lines().nth(1).is_some_and(|line| line.contains(" opaque["));
+            if body.starts_with("{\n") && !is_opaque && !listed.contains(name) {
+                missing.push(name.to_owned());
+            }
+        }
+    }
+    assert_eq!(missing, <[String; 0]>::default(), "add them to src/layouts.rs");
 }

@@ -21,8 +21,8 @@ struct Header {
     sources: Vec<PathBuf>,
     /// Types that are declared in it: their names in Rust and in C, and whether C calls them struct.
     types: BTreeMap<String, (String, bool)>,
-    /// Those that are declared even if no function mentions them.
-    exported: Vec<String>,
+    /// The same types in their order, which their declarations keep.
+    order: Vec<String>,
 }
 
 /// All headers: their paths below `include/`, and their texts. `work` is a directory for copies of the sources.
@@ -47,8 +47,7 @@ impl Header {
             parts.sort();
             sources.append(&mut parts);
         }
-        let mut header = Self { module, settings, sources, types: BTreeMap::new(), exported: Vec::new() };
-        header.sources.extend(header.list("sources").iter().map(|source| root.join(source)));
+        let mut header = Self { module, settings, sources, types: BTreeMap::new(), order: Vec::new() };
         for source in header.sources.clone() {
             for line in fs::read_to_string(&source)?.lines() {
                 let Some((kind, rest)) = line.strip_prefix("pub ").and_then(|rest| rest.split_once(' ')) else {
@@ -58,9 +57,7 @@ impl Header {
                 if matches!(kind, "struct" | "union" | "type") && !name.is_empty() {
                     let is_function = rest.contains("= Option<unsafe extern");
                     header.types.insert(name.into(), (header.name_of(name, is_function), kind != "type"));
-                    if source.starts_with(root.join("src")) {
-                        header.exported.push(name.into());
-                    }
+                    header.order.push(name.into());
                 }
             }
         }
@@ -127,8 +124,9 @@ impl Header {
             config.export.rename.extend(names);
         }
         config.export.exclude = self.list("exclude");
+        // Declared even if no function mentions them.
         config.export.include =
-            self.exported.iter().filter(|name| !config.export.exclude.contains(name)).cloned().collect();
+            self.order.iter().filter(|name| !config.export.exclude.contains(name)).cloned().collect();
 
         let mut builder = cbindgen::Builder::new().with_config(config);
         let mut sized = String::new();
