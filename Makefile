@@ -160,7 +160,7 @@ else
 include packaging/$(SYSTEM).mk
 endif
 $(STAGE)/libdeltarobot.a: $(OBJECTS)
-	$(Q)rm -f $@ && $(AR) rcsD $@ $^
+	$(Q)rm -f $@ && $(AR) rcs$(if $(filter macos,$(SYSTEM)),,D) $@ $^
 
 # The sizes into a new directory each time: cargo then runs the build script even if it sees no need to.
 header: ## renews include/, which holds the headers of the default sizes

@@ -86,8 +86,18 @@ static int start_homing(void *usr)
 
 static int start_move(const struct protocol_msg_position *target, void *usr)
 {
+    const float axes[3] = {target->DA, target->DB, target->DC};
+    unsigned char wire[12];
+    int i;
+
     (void)usr;
-    was_sent(&from_host, DP_OPCODE_MOVE, target, 12);
+    /* As they are on the wire, whatever order the processor has. */
+    for (i = 0; i < 12; ++i) {
+        unsigned bits;
+        memcpy(&bits, &axes[i / 4], sizeof bits);
+        wire[i] = (unsigned char)(bits >> i % 4 * 8);
+    }
+    was_sent(&from_host, DP_OPCODE_MOVE, wire, 12);
     plant.target[0] = target->DA;
     plant.target[1] = target->DB;
     plant.target[2] = target->DC;
@@ -121,16 +131,16 @@ static int stop(void *usr)
 
 static void read_status(struct protocol_msg_status_report *report, void *usr)
 {
-    static const unsigned char UNKNOWN[4] = {0x01, 0x00, 0x80, 0x7F};
+    static const unsigned UNKNOWN = 0x7F800001;
     (void)usr;
     if (plant.known) {
         report->DA = plant.at[0];
         report->DB = plant.at[1];
         report->DC = plant.at[2];
     } else {
-        memcpy(&report->DA, UNKNOWN, 4);
-        memcpy(&report->DB, UNKNOWN, 4);
-        memcpy(&report->DC, UNKNOWN, 4);
+        memcpy(&report->DA, &UNKNOWN, sizeof UNKNOWN);
+        memcpy(&report->DB, &UNKNOWN, sizeof UNKNOWN);
+        memcpy(&report->DC, &UNKNOWN, sizeof UNKNOWN);
     }
     report->STAT = (unsigned char)(plant.state | (int)below(8) << 2);
 }
