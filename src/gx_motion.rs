@@ -112,9 +112,9 @@ pub struct Health {
     pub reports: c_ulong,
 }
 
-/// What a queued move takes: structs have no padding on AVR.
-const MOVE_BYTES: usize = if align_of::<i32>() == 1 { 30 } else { 32 };
-const MOTION_WORDS: usize = (192 + MOVE_BYTES * GX_QUEUE_MAX) / size_of::<c_ulong>();
+/// Structs have no padding on AVR, where a queued move takes 30 bytes, and RAM is too scarce for room to spare.
+const MOTION_BYTES: usize = if align_of::<i32>() == 1 { 175 + 30 * GX_QUEUE_MAX } else { 192 + 32 * GX_QUEUE_MAX };
+const MOTION_WORDS: usize = MOTION_BYTES / size_of::<c_ulong>();
 
 /// A motion side. All zero is a new one with default settings. Its contents are private.
 #[derive(Debug)]
