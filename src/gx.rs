@@ -413,7 +413,7 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
 }
 
 /// The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
-/// where all axes are to be after it, and the velocity then in force; its mask flags those that were named in the session
+/// where all axes are to be after it, and the velocity then in force; its mask flags those that the session has named
 /// up to this move. number is the move's.
 ///
 /// Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.

@@ -39,7 +39,7 @@
 //! host: it carries out again what is sent again, and moves by deltas from where it believes to be.
 //!
 //! Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
-//! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next move corrects it.
+//! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -51,7 +51,7 @@ use deltarobot_export::export;
 use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
 
-/// Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each move,
+/// Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each,
 /// in the order of the requests.
 pub const GX_HOST_ENDED: c_int = 1;
 /// Event: a position report: position.

@@ -1,5 +1,5 @@
-//! `libdeltarobot/gx_motion.h`: the motion side of the GX protocol, for firmware: takes commands, queues the moves, reports
-//! how they end, reports the position.
+//! `libdeltarobot/gx_motion.h`: the motion side of the GX protocol, for firmware: takes commands, queues the moves,
+//! reports how they end, reports the position.
 //!
 //! It does no I/O. The firmware's main loop calls:
 //!

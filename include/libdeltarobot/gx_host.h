@@ -41,7 +41,7 @@
  * host: it carries out again what is sent again, and moves by deltas from where it believes to be.
  *
  * Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
- * several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next move corrects it.
+ * several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_host.rs by `make header`.
@@ -75,7 +75,7 @@ extern "C" {
 #endif
 
 /**
- * Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each move,
+ * Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each,
  * in the order of the requests.
  */
 #define GX_HOST_ENDED 1
