@@ -41,11 +41,11 @@ impl<const SIZE: usize> Ring<SIZE> {
     #[inline(always)]
     pub(crate) fn heal(&mut self) -> (usize, usize) {
         let (start, used) = self.fields();
-        if start < SIZE && used <= SIZE {
-            return (start, used);
+        if start >= SIZE || used > SIZE {
+            (self.start, self.used) = (0, 0);
+            return (0, 0);
         }
-        (self.start, self.used) = (0, 0);
-        (0, 0)
+        (start, used)
     }
 
     /// Number of bytes that fit without loss, in a ring whose fields are in range.

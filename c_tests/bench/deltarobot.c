@@ -9,6 +9,7 @@
  */
 #define _POSIX_C_SOURCE 199309L
 #include "libdeltarobot/protocol_ext.h"
+#include "libdeltarobot/receiver.h"
 
 #include "../deltarobot/model/model.h"
 #include "../common/wire.h"
@@ -64,6 +65,31 @@ static void each_1024(struct protocol_data *ring, struct stream *stream)
     each(ring, stream, 1024);
 }
 
+/* The receiver has no model: its state is not the ring's. */
+static struct dp_receiver receiver;
+
+static void receiver_bytes(struct protocol_data *ring, struct stream *stream)
+{
+    static struct protocol_msg msg;
+    int at;
+
+    (void)ring;
+    for (at = 0; at < stream->size; ++at)
+        if (dp_receiver_byte(&receiver, stream->bytes[at]))
+            while (dp_receiver_next(&receiver, &msg) == DP_RC_SUCCESS)
+                taken += msg.opcode;
+}
+
+static void receiver_each(struct protocol_data *ring, struct stream *stream)
+{
+    int at;
+
+    (void)ring;
+    for (at = 0; at < stream->size; at += CHUNK)
+        dp_receiver_each(&receiver, stream->bytes + at, stream->size - at < CHUNK ? stream->size - at : CHUNK, on_msg,
+                         NULL);
+}
+
 typedef void (*library_loop)(struct protocol_data *ring, struct stream *stream);
 typedef void (*model_loop)(struct model_data *ring, struct stream *stream);
 
@@ -73,6 +99,7 @@ static void measure(const char *name, int goal, struct stream *stream, library_l
     static struct model_data theirs;
 
     dp_init(&ours);
+    dp_receiver_init(&receiver);
     memset(&theirs, 0, sizeof theirs);
     MEASURE(name, goal, "library", stream->size, library(&ours, stream));
     if (model != NULL)
@@ -164,13 +191,17 @@ static void payload_cases(void)
         sprintf(name, "encode:%d", payload);
         measure(name, 16, &stream, dp_encode, model_encode);
         sprintf(name, "bytes:%d", payload);
-        measure(name, payload <= 1 ? 45 : 35, &stream, dp_bytes, model_bytes);
+        measure(name, 60, &stream, dp_bytes, model_bytes);
         sprintf(name, "chunks:%d", payload);
-        measure(name, 12, &stream, dp_chunks, model_chunks);
+        measure(name, 25, &stream, dp_chunks, model_chunks);
         sprintf(name, "each-64:%d", payload);
-        measure(name, 12, &stream, each_64, NULL);
+        measure(name, 25, &stream, each_64, NULL);
         sprintf(name, "each-1024:%d", payload);
-        measure(name, 12, &stream, each_1024, NULL);
+        measure(name, 25, &stream, each_1024, NULL);
+        sprintf(name, "receiver:%d", payload);
+        measure(name, 32, &stream, receiver_bytes, NULL);
+        sprintf(name, "receiver-each-64:%d", payload);
+        measure(name, payload < 12 ? 18 : 9, &stream, receiver_each, NULL);
     }
 }
 
@@ -183,6 +214,10 @@ static void stream_cases(const char *what, struct stream *stream)
     measure(name, 25, stream, dp_chunks, model_chunks);
     sprintf(name, "each-64:%s", what);
     measure(name, 25, stream, each_64, NULL);
+    sprintf(name, "receiver:%s", what);
+    measure(name, 60, stream, receiver_bytes, NULL);
+    sprintf(name, "receiver-each-64:%s", what);
+    measure(name, 60, stream, receiver_each, NULL);
 }
 
 /* A ring full of the pattern, one dp_recv: a byte here is one of the ring. */

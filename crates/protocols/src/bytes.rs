@@ -62,16 +62,31 @@ impl<'a, const SIZE: usize> Wrapped<'a, SIZE> {
     pub fn copy_to<T>(self, to: &mut [T], item: impl Fn(u8) -> T + Copy) {
         let to = to.get_mut(..self.length).unwrap_or_default();
         if WIDE {
-            let (first, rest) = self.pieces(0, self.length);
-            let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
-            copy(first, to_first, item);
-            return copy(rest, to_rest, item);
+            // Most frames have no payload.
+            if !to.is_empty() {
+                self.copy_wide(to, item);
+            }
+            return;
         }
         let mut from = self.begin;
         for to in to {
             *to = item(self.ring.get(wrap::<SIZE>(from)).copied().unwrap_or_default());
             from = wrap::<SIZE>(from).wrapping_add(1);
         }
+    }
+
+    #[inline(always)]
+    fn copy_wide<T>(self, to: &mut [T], item: impl Fn(u8) -> T + Copy) {
+        let (first, rest) = self.pieces(0, self.length);
+        let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
+        copy(first, to_first, item);
+        copy(rest, to_rest, item);
+    }
+
+    #[inline(always)]
+    fn add_up_wide(self, sum: u8, begin: usize, length: usize) -> u8 {
+        let (first, rest) = self.pieces(begin, length);
+        add_up(add_up(sum, first), rest)
     }
 
     /// Some of them, up to the ring's end and from its beginning on.
@@ -100,8 +115,7 @@ impl<const SIZE: usize> Bytes for Wrapped<'_, SIZE> {
     #[inline(always)]
     fn add_up(&self, mut sum: u8, begin: usize, length: usize) -> u8 {
         if WIDE {
-            let (first, rest) = self.pieces(begin, length);
-            return add_up(add_up(sum, first), rest);
+            return if length == 0 { sum } else { self.add_up_wide(sum, begin, length) };
         }
         let mut from = self.begin.wrapping_add(begin);
         let mut left = length;
@@ -118,10 +132,7 @@ impl<const SIZE: usize> Bytes for Wrapped<'_, SIZE> {
 #[inline(always)]
 pub fn copy_into_ring<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], begin: usize) {
     if WIDE && input.len() != 1 {
-        let (front, back) = ring.split_at_mut_checked(begin).unwrap_or_default();
-        let (first, rest) = input.split_at_checked(back.len()).unwrap_or((input, &[]));
-        copy(first, back, |byte| byte);
-        return copy(rest, front, |byte| byte);
+        return copy_into_ring_wide(input, ring, begin);
     }
     let mut to = begin;
     for byte in input {
@@ -130,6 +141,14 @@ pub fn copy_into_ring<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], be
         }
         to = wrap::<SIZE>(to).wrapping_add(1);
     }
+}
+
+#[inline(never)]
+fn copy_into_ring_wide<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], begin: usize) {
+    let (front, back) = ring.split_at_mut_checked(begin).unwrap_or_default();
+    let (first, rest) = input.split_at_checked(back.len()).unwrap_or((input, &[]));
+    copy(first, back, |byte| byte);
+    copy(rest, front, |byte| byte);
 }
 
 /// A place that may be past a ring's end, by less than its size.
