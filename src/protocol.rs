@@ -1,6 +1,7 @@
 //! `libdeltarobot/protocol.h`: frames of the deltarobot message format, specification v1.0.
 
 use core::ffi::{c_char, c_float, c_int, c_uchar, c_void};
+use core::hint;
 use core::mem::{MaybeUninit, offset_of};
 use core::slice;
 
@@ -204,7 +205,7 @@ pub(crate) unsafe fn next_message(data: *mut ProtocolData, msg: *mut ProtocolMsg
             loop {
                 match ring.judge_head(DP_DATA_MAX_SIZE) {
                     Verdict::Frame { opcode, length } => {
-                        // SAFETY: msg is not NULL, so a message.
+                        // SAFETY: msg is not NULL, so a message; judge_head() accepts no longer payload.
                         if unsafe { take_message(ring, msg, opcode, length) } {
                             return DP_RC_SUCCESS;
                         }
@@ -226,7 +227,7 @@ pub(crate) unsafe fn next_message(data: *mut ProtocolData, msg: *mut ProtocolMsg
 ///
 /// # Safety
 ///
-/// msg points to a writable message outside the ring.
+/// msg points to a writable message outside the ring, and length is at most `DP_DATA_MAX_SIZE`.
 // On hosts a call is cheaper than to save the registers it needs in each dp_recv that waits.
 #[cfg_attr(target_pointer_width = "64", inline(never))]
 #[cfg_attr(not(target_pointer_width = "64"), inline(always))]
@@ -241,7 +242,7 @@ unsafe fn take_message(ring: &mut Ring<DP_BUFSIZE>, msg: *mut ProtocolMsg, opcod
 ///
 /// # Safety
 ///
-/// msg points to a writable message.
+/// msg points to a writable message, and length is at most `DP_DATA_MAX_SIZE`.
 #[inline(always)]
 pub(crate) unsafe fn deliver(
     msg: *mut ProtocolMsg,
@@ -249,8 +250,9 @@ pub(crate) unsafe fn deliver(
     length: usize,
     copy: impl FnOnce(&mut [MaybeUninit<u8>; DP_DATA_MAX_SIZE]),
 ) {
-    // SAFETY: a message, whose chars have the layout of bytes that may be uninitialised.
+    // SAFETY: a message, whose chars have the layout of bytes that may be uninitialised; and such a length.
     unsafe {
+        hint::assert_unchecked(length <= DP_DATA_MAX_SIZE);
         (*msg).data_s = int(length);
         (*msg).opcode = opcode.0;
         copy(&mut *(&raw mut (*msg).data).cast());

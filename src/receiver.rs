@@ -195,7 +195,8 @@ pub unsafe extern "C" fn dp_receiver_each(
 /// msg points to a writable message outside the receiver.
 #[inline(always)]
 unsafe fn hand_over(frame: Result<Frame<'_>, NoFrame>, msg: *mut ProtocolMsg) -> c_int {
-    // SAFETY: the same contract. msg may be uninitialised: so no reference to it is made.
+    // SAFETY: the same contract; the receiver accepts no longer payload. msg may be uninitialised: so no reference to it
+    // is made.
     unsafe {
         match frame {
             Ok(Frame { opcode, payload }) => {

@@ -47,6 +47,16 @@ done | awk '
 
 cat <<END
 
+## Instructions and cycles on firmware
+
+A byte of the wire, in emulators: instructions on Cortex-M0 and Cortex-M4, cycles on AVR; the last lines of each with the
+loop that calls, those before without. \`model\` is a model of the original's algorithm. Also printed by
+\`make firmware-bench\`.
+
+\`\`\`text
+$(HOST_LIB=$1 "$here/../firmware/run.sh" bench)
+\`\`\`
+
 ## Lines of the library that the tests run
 
 Also printed by \`make coverage\`.

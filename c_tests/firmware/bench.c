@@ -7,6 +7,7 @@
 #include "../deltarobot/model/model.h"
 
 #include <libdeltarobot/protocol.h>
+#include <libdeltarobot/receiver.h>
 
 #include <stdint.h>
 #include <string.h>
@@ -250,6 +251,74 @@ static uint32_t decode(const struct library *library, int piece)
     return (ticks() - before) * 10u / (uint32_t)at;
 }
 
+/* The pair and the receiver as firmware calls them, with the loop that does: tenths of an instruction or a cycle a byte. */
+static uint32_t pair_in_a_loop(void)
+{
+    uint32_t before;
+    int at;
+
+    memset(&ring, 0, sizeof ring);
+    before = ticks();
+    for (at = 0; at < stream_bytes; ++at) {
+        dp_process(&ring.ours, stream + at, 1);
+        while (dp_recv(&ring.ours, &message.ours) == DP_RC_SUCCESS)
+            ;
+    }
+    return (ticks() - before) * 10u / (uint32_t)stream_bytes;
+}
+
+static struct dp_receiver receiver;
+
+static uint32_t receiver_in_a_loop(void)
+{
+    uint32_t before;
+    int at;
+
+    dp_receiver_init(&receiver);
+    before = ticks();
+    for (at = 0; at < stream_bytes; ++at)
+        if (dp_receiver_byte(&receiver, stream[at]))
+            while (dp_receiver_next(&receiver, &message.ours) == DP_RC_SUCCESS)
+                ;
+    return (ticks() - before) * 10u / (uint32_t)stream_bytes;
+}
+
+static void loop_row(const char *name)
+{
+    int pad;
+
+    print(name);
+    for (pad = (int)strlen(name); pad < 36; ++pad)
+        print(" ");
+    print_tenths(pair_in_a_loop(), 10);
+    print_tenths(receiver_in_a_loop(), 10);
+    print("\n");
+}
+
+static void loop_rows(void)
+{
+    static const int lengths[] = {0, 1, 12, 16, 32};
+    int i;
+
+    print("with the loop of the caller               pair  receiver\n");
+    for (i = 0; i < 5 && lengths[i] <= DP_DATA_MAX_SIZE; ++i) {
+        char name[] = "payload of   ";
+
+        name[11] = (char)('0' + lengths[i] / 10);
+        name[12] = (char)('0' + lengths[i] % 10);
+        fill_stream(lengths[i]);
+        loop_row(name);
+    }
+    for (stream_bytes = 0; stream_bytes < STREAM; ++stream_bytes)
+        stream[stream_bytes] = any();
+    loop_row("noise");
+    memset(stream, '$', STREAM);
+    loop_row("nothing but $");
+    for (i = 0; i < STREAM; ++i)
+        stream[i] = (unsigned char)"$A\037:"[i % 4];
+    loop_row("false frames");
+}
+
 static void row(const char *name, uint32_t (*measure)(const struct library *library, int parameter), int parameter)
 {
     uint32_t empty = 0;
@@ -378,6 +447,7 @@ int main(void)
         stream[i] = (unsigned char)"$A\037:"[i % 4];
     row("false frames, byte by byte", decode, 1);
     row("longest dp_recv, whole", worst_recv, 0);
+    loop_rows();
 
     /* With the callback's own part, which is next to nothing. */
 #ifdef __AVR__
