@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::headers::{CPP_ONLY, headers};
-use crate::support::{DEFAULT, Language, Library, STRICT, c_tests, compiler, has_tool, out_dir, run, text};
+use crate::support::{DEFAULT, Language, Library, STRICT, c_tests, compiler, has_tool, out_dir, root, run, text};
 
 /// What an example may do and a program should not: leave things unused. `= {0}` is how C sets a struct to zero, but
 /// C++ compilers would rather see `= {}`.
@@ -214,4 +214,21 @@ fn lines_fit_a_screen() {
             assert!(line.chars().count() <= 120, "{name}:{number} is too long");
         }
     }
+}
+
+/// README's program, as it stands there.
+#[test]
+fn the_readmes_program_receives_a_message() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, rest) = readme.split_once("```c\n").unwrap();
+    let source = out_dir().join("readme.c");
+    fs::write(&source, rest.split_once("```").unwrap().0).unwrap();
+    let library = Library::of(DEFAULT);
+    let program = out_dir().join("readme");
+    let mut compile = compiler(false);
+    compile.arg("-std=c99").arg("-I").arg(library.include()).arg(&source).arg(library.archive()).arg("-o").arg(&program);
+    let output = run(&mut compile);
+    assert!(output.status.success(), "{}", text(&output));
+    let output = run(Command::new("sh").arg("-c").arg("printf 'noise$A\\001M\\355:' | \"$0\"").arg(&program));
+    assert_eq!(text(&output), "A with 1 bytes\n");
 }
