@@ -226,7 +226,14 @@ fn the_readmes_program_receives_a_message() {
     let library = Library::of(DEFAULT);
     let program = out_dir().join("readme");
     let mut compile = compiler(false);
-    compile.arg("-std=c99").arg("-I").arg(library.include()).arg(&source).arg(library.archive()).arg("-o").arg(&program);
+    compile
+        .arg("-std=c99")
+        .arg("-I")
+        .arg(library.include())
+        .arg(&source)
+        .arg(library.archive())
+        .arg("-o")
+        .arg(&program);
     let output = run(&mut compile);
     assert!(output.status.success(), "{}", text(&output));
     let output = run(Command::new("sh").arg("-c").arg("printf 'noise$A\\001M\\355:' | \"$0\"").arg(&program));
