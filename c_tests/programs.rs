@@ -79,6 +79,7 @@ mod special {
         kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
         values: Program::of("values", &["deltarobot/values.c"]).language(Language::C11);
         line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
+        line_real_links: Program::of("line_real_links", &["line/real_links.c"]).family(Family::Line).slowly(&["500"]);
         cross_comm: Program::of("cross_comm", &["../test/cross_comm.cpp"]);
         noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);
         robot: Program::of("robot", &["kinematics/robot.cpp"]).family(Family::Serial).needs_eigen();

@@ -451,7 +451,8 @@ int main(void)
     setting_up();
     if (OLP_DEVICES_MAX >= 2)
         device_starts_anew();
-    a_restarted_device_is_set_up_again();
+    if (OLP_LINE_MAX >= 80) /* a linksetup_resp with all it may have */
+        a_restarted_device_is_set_up_again();
     numbers_of_each_end_apart();
     numbers();
     the_table();

@@ -15,6 +15,8 @@ use crate::link::Line;
 use crate::object::Plain;
 
 pub const COMMAND_MAX: usize = 64;
+/// Bytes of the longest line that a device receives, and its end.
+const RECEIVED_MAX: usize = 80;
 pub const IDS: [&CStr; 5] = [c"sf6z34", c"9o5qzg", c"a.b_c-d", c"nobody", c"%&= \xC3"];
 
 /// What the functions of a device's table work with.
@@ -136,7 +138,7 @@ unsafe extern "C" fn run(command: *const LineMessage, answer: *mut LineEncoder, 
     let board: *mut Board = usr.cast();
     unsafe {
         let line = std::slice::from_raw_parts((*command).line.cast::<u8>(), (*command).length as usize);
-        assert!(line.len() < COMMAND_MAX && (*command).count > 0);
+        assert!(line.len() < RECEIVED_MAX && (*command).count > 0);
         for index in 0..(*command).count {
             let mut param = LineParam::zero();
             assert_eq!(olp_param_at(command, index, &raw mut param), 0);

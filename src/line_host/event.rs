@@ -2,7 +2,7 @@
 
 use core::ffi::c_int;
 
-use super::Link;
+use super::types::Link;
 use crate::line_protocol::message::view;
 use crate::line_protocol::{
     LineMessage, OLP_RC_MALFORMED, OLP_RC_NOT_FOUND, OLP_RC_OVERFLOW, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
