@@ -189,7 +189,7 @@ check-artifact: lib ## proves that the library exports what it should, and needs
 install: $(if $(shell command -v $(CARGO)),lib) ## installs below PREFIX; also DESTDIR, LIBDIR, INCLUDEDIR
 install uninstall:
 	$(Q)DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
-	    OUT='$(OUT)' VERSION='$(VERSION)' HEADERS='$(HEADERS)' \
+	    BINDIR='$(BINDIR)' SHARED_FILES='$(SHARED_FILES)' OUT='$(OUT)' VERSION='$(VERSION)' HEADERS='$(HEADERS)' \
 	    SIZES='$(foreach size,$(ALL_SIZES),$(size)=$(strip $($(size))))' \
 	    packaging/install.sh $@
 uninstall: ## removes what install put there, given the same directories

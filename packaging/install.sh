@@ -90,11 +90,17 @@ case $1 in
         done
         put 644 "$OUT/libdeltarobot.a" "$libdir"
         put 644 src/protocol_pc_utils.cpp "$prefix/share/deltarobot"
-        if [ -e "$OUT/libdeltarobot.so.$VERSION" ]; then
-            put 755 "$OUT/libdeltarobot.so.$VERSION" "$libdir"
-            link "libdeltarobot.so.$VERSION" "libdeltarobot.so.$major"
-            link "libdeltarobot.so.$major" libdeltarobot.so
-        fi
+        # The shared library, and its links, each to the one before it; a .dll stands beside the programs, and has none.
+        previous=
+        for file in $SHARED_FILES; do
+            [ -e "$OUT/$file" ] || break
+            case $file in
+                *.dll) put 755 "$OUT/$file" "$(absolute "$BINDIR")" ;;
+                *.dll.a | *.def) put 644 "$OUT/$file" "$libdir" ;;
+                *) if [ -z "$previous" ]; then put 755 "$OUT/$file" "$libdir"; else link "$previous" "$file"; fi ;;
+            esac
+            previous=$file
+        done
         template deltarobot.pc "$pkgconfig" prefix
         template deltarobot-config.cmake "$cmake" _deltarobot_prefix
         template deltarobot-config-version.cmake "$cmake" _deltarobot_prefix
@@ -104,8 +110,11 @@ case $1 in
         for header in $HEADERS; do
             rm -f "$DESTDIR$includedir/$header"
         done
-        for file in .a .so ".so.$major" ".so.$VERSION"; do
-            rm -f "$DESTDIR$libdir/libdeltarobot$file"
+        for file in libdeltarobot.a $SHARED_FILES; do
+            case $file in
+                *.dll) rm -f "$DESTDIR$(absolute "$BINDIR")/$file" ;;
+                *) rm -f "$DESTDIR$libdir/$file" ;;
+            esac
         done
         rm -f "$DESTDIR$prefix/share/deltarobot/protocol_pc_utils.cpp"
         rm -f "$DESTDIR$pkgconfig/deltarobot.pc" "$DESTDIR$cmake/deltarobot-config.cmake" \
