@@ -133,12 +133,12 @@ fn files(dir: &Path) -> BTreeSet<String> {
 }
 
 /// What `make install` shall put below the prefix.
-fn installed(libdir: &str, includedir: &str) -> BTreeSet<String> {
+fn installed(prefix: &str, libdir: &str, includedir: &str) -> BTreeSet<String> {
     let major = VERSION.split('.').next().unwrap();
     let mut expected: BTreeSet<_> =
         files(&root().join("include")).iter().map(|header| format!("{includedir}/{header}")).collect();
     expected.extend([
-        "share/deltarobot/protocol_pc_utils.cpp".into(),
+        format!("{prefix}share/deltarobot/protocol_pc_utils.cpp"),
         format!("{libdir}/libdeltarobot.a"),
         format!("{libdir}/libdeltarobot.so"),
         format!("{libdir}/libdeltarobot.so.{major}"),
@@ -199,7 +199,7 @@ fn wrong_sizes_are_refused_and_leave_the_library_alone() {
 fn uninstall_removes_what_install_put_there_and_no_more() {
     let sandbox = Sandbox::new("install");
     let prefix = sandbox.install("with a space", &[]);
-    assert_eq!(files(&prefix), installed("lib", "include"));
+    assert_eq!(files(&prefix), installed("", "lib", "include"));
     let link = fs::read_link(prefix.join("lib/libdeltarobot.so")).unwrap();
     assert!(link.to_str().unwrap().starts_with("libdeltarobot.so."), "{link:?}");
 
@@ -224,7 +224,7 @@ fn a_staged_tree_tells_its_final_place() {
         "INCLUDEDIR=/opt/headers",
     ];
     success(&sandbox.make(&[&["install"], &arguments[..]].concat()));
-    assert_eq!(files(&stage), installed("opt/robot/lib/triplet", "opt/headers"));
+    assert_eq!(files(&stage), installed("opt/robot/", "opt/robot/lib/triplet", "opt/headers"));
     let pc = fs::read_to_string(stage.join("opt/robot/lib/triplet/pkgconfig/deltarobot.pc")).unwrap();
     for line in ["prefix=/opt/robot\n", "libdir=${prefix}/lib/triplet\n", "includedir=/opt/headers\n"] {
         assert!(pc.contains(line), "{pc}");
@@ -242,7 +242,7 @@ fn install_without_cargo_takes_what_was_built_for_these_sizes_or_nothing() {
         sandbox.make(&[&["install", "CARGO=no-such-cargo", &prefix], more].concat())
     };
     success(&install("same", &[]));
-    assert_eq!(files(&sandbox.path("same")), installed("lib", "include"));
+    assert_eq!(files(&sandbox.path("same")), installed("", "lib", "include"));
     for size in ["DP_BUFSIZE=256", "OLP_LINE_MAX=100", "GX_WINDOW_MAX=1"] {
         let output = install("other", &[size]);
         let because = format!("no library with {size}");
@@ -426,7 +426,7 @@ fn cmake_installs_what_make_installs() {
     let prefix = format!("-DCMAKE_INSTALL_PREFIX={}", sandbox.path("prefix").display());
     success(&run(tool("cmake").arg("-S").arg(root()).arg("-B").arg(&build).arg(prefix)));
     success(&run(tool("cmake").arg("--build").arg(&build).args(["--target", "install"])));
-    assert_eq!(files(&sandbox.path("prefix")), installed("lib", "include"));
+    assert_eq!(files(&sandbox.path("prefix")), installed("", "lib", "include"));
 }
 
 /// The package that cargo makes holds the whole tree, so that what resolves here resolves there.
