@@ -150,9 +150,9 @@ pub unsafe extern "C" fn dp_receiver_idle(receiver: *mut Receiver, msg: *mut Pro
 ///
 /// buf's bytes stay as they are until the call returns.
 ///
-/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it by a result that is not 0. Nothing is
-/// lost then: give the rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when
-/// receiver or `on_msg` is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it by a result that is not 0. Nothing
+/// is lost then: give the rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC`
+/// when receiver or `on_msg` is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
