@@ -442,3 +442,23 @@ fn links_in_the_documentation_lead_somewhere() {
         }
     }
 }
+
+/// The protocols alone are a dependency of firmware in Rust. With the compiler that firmware builds use, if there is one.
+#[test]
+fn rust_firmware_depends_on_the_protocols() {
+    let target = "thumbv7em-none-eabi";
+    let found = run(Command::new(root().join("firmware/build.sh")).arg(target));
+    let said = text(&found);
+    if !found.status.success() {
+        assert!(std::env::var("DP_REQUIRE_TOOLS").as_deref() != Ok("1"), "{said}");
+        return;
+    }
+    let rustc = said.split_whitespace().nth(1).unwrap();
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(root().join("examples/rust")).args(["build", "--release", "--target", target, "--target-dir"]);
+    cargo.arg(all_sandboxes().join("rust-firmware")).env("RUSTC", rustc);
+    if said.contains("core source") {
+        cargo.env("CARGO_UNSTABLE_BUILD_STD", "core").env("RUSTC_BOOTSTRAP", "1");
+    }
+    success(&run(&mut cargo));
+}
