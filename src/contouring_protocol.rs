@@ -140,7 +140,7 @@ pub unsafe extern "C" fn UnpackCPShortVectorCommand(
 }
 
 impl CPVectorCommand {
-    const fn to_core(&self) -> Vector {
+    const fn to_core(self) -> Vector {
         Vector { velocity: self.targetVelocity, mask: self.axisMask, axes: self.axisPosition }
     }
 }

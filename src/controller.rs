@@ -80,7 +80,6 @@ pub struct Calls {
 }
 
 /// Words of a controller's room.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
 pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 
 /// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one does

@@ -197,7 +197,7 @@ const _: () = {
 };
 
 impl Vector {
-    pub(super) fn to_core(&self) -> gx::Vector {
+    pub(super) fn to_core(self) -> gx::Vector {
         gx::Vector { velocity: self.velocity, mask: self.mask, axes: self.axes }
     }
 

@@ -115,7 +115,6 @@ pub struct HostHealth {
 }
 
 /// Words of a session's room.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
 pub const DP_HOST_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 56;
 
 /// A session. All zero is one with the default settings.

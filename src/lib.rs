@@ -17,6 +17,7 @@
 //! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export) does
 //! both.
 #![no_std]
+#![allow(clippy::missing_safety_doc, reason = "`#[export]` adds the contract, which the lint does not see")]
 #![cfg_attr(
     test,
     allow(

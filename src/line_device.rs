@@ -170,11 +170,11 @@ pub(crate) struct State {
 }
 
 impl State {
-    const fn table(&self) -> *const DeviceTable {
+    fn table(&self) -> *const DeviceTable {
         with_exposed_provenance(self.table)
     }
 
-    const fn usr(&self) -> *mut c_void {
+    fn usr(&self) -> *mut c_void {
         with_exposed_provenance_mut(self.usr)
     }
 }
@@ -366,7 +366,9 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
         let table = &*(*state).table();
         let known = text_of(id).and_then(|id| device_of(table, Value::new(id)));
         let (Some(id), Some(event)) = (known, event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
-        if c_int::try_from((*state).welcomed).unwrap_or(c_int::MAX) < table.device_count {
+        #[allow(clippy::unnecessary_fallible_conversions, reason = "an int may have 16 bits")]
+        let welcomed = c_int::try_from((*state).welcomed).unwrap_or(c_int::MAX);
+        if welcomed < table.device_count {
             return OLP_RC_BUSY;
         }
         let Some(mut line) = resume(event) else { return event.error };

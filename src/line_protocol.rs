@@ -138,7 +138,6 @@ pub struct LineEncoder {
 }
 
 // The layout that C compilers give these structs; C tests assert the same numbers.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
 const _: () = {
     assert!(OLP_COMMAND_MAX as usize == line::COMMAND_MAX && OLP_DECIMALS_MAX as usize == line::DECIMALS_MAX as usize);
 };

@@ -30,7 +30,6 @@ use deltarobot_protocols::bytes;
 use deltarobot_protocols::deltarobot::{Frame, NoFrame, Receiver as State, receiver_room};
 
 /// Words of a receiver's room. C's macro is in receiver/macros.h.
-#[expect(clippy::arithmetic_side_effects, reason = "done by the compiler")]
 pub const DP_RECEIVER_WORDS: usize = (DP_DATA_MAX_SIZE + 16).div_ceil(size_of::<c_ulong>());
 
 /// A receiver. All zero is one that has received nothing.

@@ -51,7 +51,7 @@ pub(crate) unsafe trait Room: Sized {
         if room.is_null() {
             return None;
         }
-        for word in 0..size_of::<Self>() / size_of::<c_ulong>() {
+        for word in 0..const { size_of::<Self>() / size_of::<c_ulong>() } {
             // SAFETY: the object consists of so many words.
             unsafe { room.cast::<c_ulong>().add(word).write_volatile(0) };
         }

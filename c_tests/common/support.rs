@@ -324,17 +324,17 @@ pub(crate) const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror
 
 /// The compiler that the `cc` crate finds (`CC`, `CXX` and their flags count), with every warning an error.
 pub(crate) fn compiler(cpp: bool) -> Command {
+    static HOST: LazyLock<String> = LazyLock::new(|| {
+        let output = Command::new(env::var_os("RUSTC").unwrap_or("rustc".into())).arg("-vV").output().unwrap();
+        let told = String::from_utf8(output.stdout).unwrap();
+        told.lines().find_map(|line| line.strip_prefix("host: ")).expect("rustc tells its host").to_owned()
+    });
     if let Some(cross) = cross() {
         let mut command = Command::new(format!("{}{}", cross.prefix, if cpp { "g++" } else { "gcc" }));
         // Statically, so that a runner needs no other files.
         command.args(["-O1", "-g", "-static"]).args(STRICT);
         return command;
     }
-    static HOST: LazyLock<String> = LazyLock::new(|| {
-        let output = Command::new(env::var_os("RUSTC").unwrap_or("rustc".into())).arg("-vV").output().unwrap();
-        let told = String::from_utf8(output.stdout).unwrap();
-        told.lines().find_map(|line| line.strip_prefix("host: ")).expect("rustc tells its host").to_owned()
-    });
     let mut command = cc::Build::new()
         .cargo_metadata(false)
         .cpp(cpp)

@@ -260,7 +260,7 @@ fn format_of(format: c_int) -> Result<Format, EncodeError> {
 /// vector is NULL or points to a vector.
 unsafe fn vector_of(vector: *const Vector) -> Result<gx::Vector, EncodeError> {
     // SAFETY: the same contract.
-    unsafe { vector.as_ref() }.map(Vector::to_core).ok_or(EncodeError::Empty)
+    unsafe { vector.as_ref() }.map(|vector| vector.to_core()).ok_or(EncodeError::Empty)
 }
 
 /// Calls a function of the core's that writes something with a number, and makes its answer an int.

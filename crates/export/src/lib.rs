@@ -21,7 +21,7 @@ pub fn export(family: TokenStream, function: TokenStream) -> TokenStream {
 }
 
 fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static str> {
-    let sizes = match family {
+    let family_sizes = match family {
         "" => None,
         "dp" => Some("DP_SIZES"),
         "olp" => Some("OLP_SIZES"),
@@ -42,15 +42,15 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
     output.extend(parse(&format!("{safety} #[unsafe(no_mangle)]"))?);
     output.extend(qualifiers.iter().chain(function).cloned());
 
-    if let Some(sizes) = sizes {
+    if let Some(sizes) = family_sizes {
         let symbol = format!("::core::concat!(\"{name}_\", ::core::env!(\"{sizes}\"))");
         let qualifiers = if is_unsafe { "unsafe" } else { "" };
         let start =
             format!("#[unsafe(export_name = {symbol})] #[allow(clippy::all)] {qualifiers} extern \"C\" fn sized");
-        let mut sized = parse(&start)?;
-        sized.extend(signature_and_body.iter().cloned());
+        let mut alias = parse(&start)?;
+        alias.extend(signature_and_body.iter().cloned());
         output.extend(parse("const _: () =")?);
-        output.extend([TokenTree::Group(proc_macro::Group::new(Delimiter::Brace, sized))]);
+        output.extend([TokenTree::Group(proc_macro::Group::new(Delimiter::Brace, alias))]);
         output.extend(parse(";")?);
     }
     Ok(output)

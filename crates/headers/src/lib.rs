@@ -1,5 +1,10 @@
 //! Makes the C headers of `src/*.rs`, with cbindgen and `src/headers.toml`. Of the sizes they depend on `sizes.h` alone,
 //! which the library's build script writes.
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::indexing_slicing,
+    reason = "a tool for developers, which may stop at what it does not expect"
+)]
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -173,7 +178,7 @@ impl Header {
 /// The head of a header: what is said of the module, of which the first word is the header's path.
 fn head(module: &str) -> String {
     let lines = module.lines().map_while(|line| line.strip_prefix("//!"));
-    let head: String = lines.map(|line| format!(" *{line}\n")).collect();
+    let head = lines.fold(String::new(), |head, line| head + " *" + line + "\n");
     head.replacen('`', "", 2)
 }
 

@@ -7,13 +7,13 @@ pub(crate) fn tidy(text: &str) -> String {
     while let Some(line) = rest.next() {
         let mut line = line.to_owned();
         if line.trim() == "/**" {
-            line = comment(line, &mut rest);
+            line = comment(&line, &mut rest);
         } else if line.ends_with([',', ')']) && line.contains('(') && !line.starts_with([' ', '#', '/']) {
             line = declaration(line, &mut rest);
         }
         // One blank line at most, and none between macros or fields that have a line each.
         let is_blank = line.trim().is_empty();
-        if is_blank && lines.last().is_some_and(|last| last.is_empty()) {
+        if is_blank && lines.last().is_some_and(String::is_empty) {
             continue;
         }
         if line.starts_with("/** ") && rest.peek().is_some_and(|next| next.starts_with("#define")) && lines.len() >= 3 {
@@ -28,7 +28,7 @@ pub(crate) fn tidy(text: &str) -> String {
 }
 
 /// A comment that begins with this line, with its end.
-fn comment<'a>(first: String, rest: &mut impl Iterator<Item = &'a str>) -> String {
+fn comment<'a>(first: &str, rest: &mut impl Iterator<Item = &'a str>) -> String {
     let indent = first.len() - first.trim_start().len();
     let mut body: Vec<&str> = rest.by_ref().take_while(|line| line.trim() != "*/").collect();
     // The annotation of cbindgen leaves an empty line.

@@ -16,6 +16,9 @@
 //!
 //! Angles are only ever needed as sine and cosine, which square roots give.
 #![expect(clippy::arithmetic_side_effects, reason = "of floats, which can't panic")]
+#![expect(clippy::many_single_char_names, clippy::similar_names, reason = "the names that the geometry has above")]
+
+use core::cmp::Ordering;
 
 mod real;
 #[cfg(test)]
@@ -215,7 +218,7 @@ impl<R: Real> Base<R> {
             let errors = sub(plane.squares, squares);
             let error = dot(errors.map(R::abs), factors);
             // As near as rounding allows.
-            if best.0 <= accepted && !(error + error < best.0) {
+            if best.0 <= accepted && (error + error).partial_cmp(&best.0) != Some(Ordering::Less) {
                 break;
             }
             if error < best.0 {

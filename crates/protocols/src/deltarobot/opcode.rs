@@ -47,6 +47,7 @@ impl Opcode {
 
     /// By the bits of the byte's upper half that go with its lower half.
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "four bits are a place among 16")]
     const fn is_known_by_looking(self) -> bool {
         const KNOWN: [u8; 16] = {
             let mut known = [0; 16];

@@ -108,14 +108,12 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
         let have = self.have;
-        match self.buffer.get_mut(usize::from(have)) {
-            Some(place) => *place = byte,
-            None => {
-                // Whatever was waited for.
-                self.last = 0;
-                return Err(Full);
-            }
-        }
+        let Some(place) = self.buffer.get_mut(usize::from(have)) else {
+            // Whatever was waited for.
+            self.last = 0;
+            return Err(Full);
+        };
+        *place = byte;
         self.have = have.wrapping_add(1);
         Ok(have >= self.last)
     }
@@ -144,6 +142,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     ///
     /// [`NoFrame`] when more bytes are needed.
     #[inline(always)]
+    #[expect(clippy::should_implement_trait, reason = "what it returns borrows from the receiver")]
     pub fn next(&mut self) -> Result<Frame<'_>, NoFrame> {
         self.next_observed(&mut ())
     }
