@@ -1,7 +1,7 @@
 /**
  * @file
- * ContouringProtocol.h: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
- * header that came with the proposal; libdeltarobot/gx.h has what that lacks.
+ * ContouringProtocol.h: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of
+ * the header that came with the proposal; libdeltarobot/gx.h has what that lacks.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/contouring_protocol.rs by `make header`.

@@ -1,5 +1,5 @@
-//! `ContouringProtocol.h`: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of the
-//! header that came with the proposal; libdeltarobot/gx.h has what that lacks.
+//! `ContouringProtocol.h`: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of
+//! the header that came with the proposal; libdeltarobot/gx.h has what that lacks.
 
 use core::ffi::c_int;
 

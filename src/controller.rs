@@ -82,8 +82,8 @@ pub struct Calls {
 /// Words of a controller's room.
 pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 
-/// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one does
-/// nothing.
+/// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one
+/// does nothing.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Controller {
@@ -136,8 +136,8 @@ pub unsafe extern "C" fn dp_controller_init(
 /// a queue of the firmware's own.
 ///
 /// Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
-/// it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes
-/// is not 0.
+/// it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and
+/// bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in), taken = 0;

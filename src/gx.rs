@@ -332,8 +332,8 @@ pub unsafe extern "C" fn gx_notices_init(notices: *mut Notices) -> c_int {
 
 /// Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`.
 ///
-/// A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next byte
-/// has come, or by `gx_notices_idle`.
+/// A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next
+/// byte has come, or by `gx_notices_idle`.
 ///
 /// Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
 /// bytes is negative.
@@ -442,8 +442,8 @@ pub(super) const fn control_of(control: c_int) -> Option<Control> {
     })
 }
 
-/// Fills a buffer of C's with as many commands or notices as fit: `next` writes one and returns its length, 0 when there
-/// is none that fits. Returns how many bytes were written.
+/// Fills a buffer of C's with as many commands or notices as fit: `next` writes one and returns its length, 0 when
+/// there is none that fits. Returns how many bytes were written.
 ///
 /// # Safety
 ///

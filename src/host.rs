@@ -242,7 +242,8 @@ pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
 /// Takes received bytes; `now_ms` is when they came.
 ///
 /// Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
-/// the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not
+/// 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);

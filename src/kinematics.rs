@@ -1,8 +1,8 @@
 //! `libdeltarobot/kinematics.h`: the platform's geometry. libdeltarobot/deltarobot.h has it for C++.
 //!
-//! Three legs of variable length stand on the joints A1, A2 and A3 of the base. Legs 1 and 3 and the platform's edge lie
-//! in one plane, which turns about the line A1A3; leg 2 ends off that plane, on the side of A2. The pose is the place of
-//! the edge's middle. docs/kinematics.md has the formulas.
+//! Three legs of variable length stand on the joints A1, A2 and A3 of the base. Legs 1 and 3 and the platform's edge
+//! lie in one plane, which turns about the line A1A3; leg 2 ends off that plane, on the side of A2. The pose is the
+//! place of the edge's middle. docs/kinematics.md has the formulas.
 //!
 //! ```c
 //! struct dp_robot_configuration configuration = {

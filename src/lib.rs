@@ -14,8 +14,8 @@
 //!
 //! A function whose arguments depend on the sizes that the library was built for is exported twice: under its plain
 //! name, for programs compiled with the original's header, and under one that contains the sizes, for those compiled
-//! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export) does
-//! both.
+//! with ours, so that a program and a library of different sizes do not link. [`export`](deltarobot_export::export)
+//! does both.
 #![no_std]
 #![allow(clippy::missing_safety_doc, reason = "`#[export]` adds the contract, which the lint does not see")]
 #![cfg_attr(

@@ -203,8 +203,8 @@ pub struct DeviceHealth {
 /// unchanged, as long as the device is used.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
-/// when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have, or
-/// NULL where a text or an array has to be.
+/// when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
+/// or NULL where a text or an array has to be.
 ///
 /// ```c
 /// static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};

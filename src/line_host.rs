@@ -50,11 +50,11 @@
 //!
 //! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
 //!
-//! A device that restarts in between may execute a command again, and a damaged line has the right checksum once in some
-//! 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
-//! commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no two
-//! of one name and id are out at a time. The order in which commands are executed is that of sending while the window is
-//! 1; in a larger one, retransmitted ones fall behind.
+//! A device that restarts in between may execute a command again, and a damaged line has the right checksum once in
+//! some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
+//! commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no
+//! two of one name and id are out at a time. The order in which commands are executed is that of sending while the
+//! window is 1; in a larger one, retransmitted ones fall behind.
 
 use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 

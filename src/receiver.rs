@@ -1,5 +1,5 @@
-//! `libdeltarobot/receiver.h`: a receiver of frames that is smaller and faster than the drop-in ring: it owns the buffer
-//! of one frame.
+//! `libdeltarobot/receiver.h`: a receiver of frames that is smaller and faster than the drop-in ring: it owns the
+//! buffer of one frame.
 //!
 //! Each byte from the line is stored, in an interrupt if need be; what it means is found out later, where messages are
 //! fetched:
@@ -58,8 +58,8 @@ pub unsafe extern "C" fn dp_receiver_init(receiver: *mut Receiver) -> c_int {
     }
 }
 
-/// Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt; `dp_receiver_next`
-/// must not run at the same time.
+/// Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt;
+/// `dp_receiver_next` must not run at the same time.
 ///
 /// Returns 0, or 1 when `dp_receiver_next` is to be called, at once or a few bytes later: what comes meanwhile is kept
 /// as long as there is room. When there is none, -`DP_RC_OVERFLOW` is returned and the byte is not taken: call
@@ -144,8 +144,8 @@ pub unsafe extern "C" fn dp_receiver_idle(receiver: *mut Receiver, msg: *mut Pro
     }
 }
 
-/// Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie in
-/// buf are not copied into the receiver.
+/// Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
+/// in buf are not copied into the receiver.
 ///
 /// buf's bytes stay as they are until the call returns.
 ///

@@ -49,8 +49,8 @@ state!(Serial: Port);
 pub struct Settings {
     /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
     pub baud: c_ulong,
-    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored where
-    /// there is no such line, as in a pseudo-terminal.
+    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored
+    /// where there is no such line, as in a pseudo-terminal.
     ///
     /// Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
     /// that shall not be reset has to be closed with `keep_lines` the time before.

@@ -8,7 +8,8 @@
  *   writable where they are not const, with any contents. The objects of one call don't overlap.
  * - Threads and interrupts: a call has its objects to itself; no other thread and no interrupt touches them while it
  *   runs. Calls on different objects may come at the same time, in interrupts too. No call waits or locks.
- * - Callbacks may call the library, on the same objects too. Each can be called with the usr that is handed over with it.
+ * - Callbacks may call the library, on the same objects too. Each can be called with the usr that is handed over with
+ *   it.
  * - Times (now_ms) are milliseconds of any clock that doesn't go back. Their lowest 32 bits count, and may wrap.
  */
 #ifndef LIBDELTAROBOT_ABI_H
@@ -54,8 +55,8 @@
     LIBDELTAROBOT_SYMBOL(name "_" LIBDELTAROBOT_STR(GX_QUEUE_MAX) "_" LIBDELTAROBOT_STR(GX_WINDOW_MAX))
 
 /*
- * Structs that #pragma pack or -fpack-struct packs are not those of the library, which would write behind their ends: so
- * a header that is included like that does not compile. Nothing is aligned more than a pointer is.
+ * Structs that #pragma pack or -fpack-struct packs are not those of the library, which would write behind their ends:
+ * so a header that is included like that does not compile. Nothing is aligned more than a pointer is.
  */
 #if defined(__GNUC__) || defined(__clang__)
 #define LIBDELTAROBOT_NOT_PACKED(header) \

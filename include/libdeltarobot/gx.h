@@ -254,8 +254,8 @@ int gx_notices_init(struct gx_notices *notices);
 /**
  * Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`.
  *
- * A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next byte
- * has come, or by `gx_notices_idle`.
+ * A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next
+ * byte has come, or by `gx_notices_idle`.
  *
  * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
  * bytes is negative.

@@ -1,7 +1,7 @@
 /**
  * @file
- * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form, again
- * where something was lost, and reports how they ended.
+ * libdeltarobot/gx_host.h: the host's end of the GX protocol: numbers moves, sends them in their shortest form,
+ * again where something was lost, and reports how they ended.
  *
  * A session does no I/O. A loop around it:
  *
@@ -29,16 +29,16 @@
  * }
  * ```
  *
- * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun; one that only sends
- * them back is driven if `echo` is set, else moves end as timed out, and are not sent.
+ * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun; one that only
+ * sends them back is driven if `echo` is set, else moves end as timed out, and are not sent.
  *
  * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a
  * move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
  * not.
  *
- * What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and on,
- * or reset. Moves are reported as lost then. Without that setting, one that was restarted takes what comes from any
- * host: it carries out again what is sent again, and moves by deltas from where it believes to be.
+ * What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and
+ * on, or reset. Moves are reported as lost then. Without that setting, one that was restarted takes what comes from
+ * any host: it carries out again what is sent again, and moves by deltas from where it believes to be.
  *
  * Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
  * several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
@@ -124,8 +124,8 @@ extern "C" {
 #define GX_HOST_LOST 6
 
 /**
- * Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is sent
- * in positions of all axes, which corrects that.
+ * Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is
+ * sent in positions of all axes, which corrects that.
  */
 #define GX_HOST_DEVIATED 7
 
@@ -164,8 +164,8 @@ struct gx_host_settings {
   int absolute_every;
   /**
    * Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
-   * at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be longer
-   * than a move lasts.
+   * at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be
+   * longer than a move lasts.
    */
   int echo;
 };
@@ -269,9 +269,10 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
 int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
 
 /**
- * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before. It
- * is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED` says
- * that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them ended.
+ * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before.
+ * It is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED`
+ * says that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them
+ * ended.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
  *

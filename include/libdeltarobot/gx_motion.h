@@ -25,13 +25,13 @@
  * ```
  *
  * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
- * proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position, or
- * a move to a position.
+ * proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position,
+ * or a move to a position.
  *
  * What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
- * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends that
- * has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make another
- * move of one, which is carried out; the host finds that afterwards.
+ * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends
+ * that has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make
+ * another move of one, which is carried out; the host finds that afterwards.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_motion.rs by `make header`.

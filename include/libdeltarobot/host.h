@@ -252,7 +252,8 @@ int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
  * Takes received bytes; `now_ms` is when they came.
  *
  * Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
- * the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not
+ * 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);

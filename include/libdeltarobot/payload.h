@@ -31,8 +31,8 @@ extern "C" {
 #endif
 
 /**
- * Reading a status report: one of more than 13 bytes has the floats first. 13 bytes may be either layout (firmware like
- * the shipped one sends so many on AVR); the reading counts in which more is plausible:
+ * Reading a status report: one of more than 13 bytes has the floats first. 13 bytes may be either layout (firmware
+ * like the shipped one sends so many on AVR); the reading counts in which more is plausible:
  *
  * - STAT, when its reserved bits (5 to 7) are alike: all 0 or all 1;
  * - each float that is zero or of a magnitude from 1.1e-19 to 3.6e19;

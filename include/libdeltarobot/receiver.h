@@ -1,7 +1,7 @@
 /**
  * @file
- * libdeltarobot/receiver.h: a receiver of frames that is smaller and faster than the drop-in ring: it owns the buffer
- * of one frame.
+ * libdeltarobot/receiver.h: a receiver of frames that is smaller and faster than the drop-in ring: it owns the
+ * buffer of one frame.
  *
  * Each byte from the line is stored, in an interrupt if need be; what it means is found out later, where messages are
  * fetched:
@@ -61,8 +61,8 @@ struct dp_receiver {
 int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED("dp_receiver_init");
 
 /**
- * Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt; `dp_receiver_next`
- * must not run at the same time.
+ * Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt;
+ * `dp_receiver_next` must not run at the same time.
  *
  * Returns 0, or 1 when `dp_receiver_next` is to be called, at once or a few bytes later: what comes meanwhile is kept
  * as long as there is room. When there is none, -`DP_RC_OVERFLOW` is returned and the byte is not taken: call
@@ -107,8 +107,8 @@ int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
 int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED("dp_receiver_idle");
 
 /**
- * Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie in
- * buf are not copied into the receiver.
+ * Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
+ * in buf are not copied into the receiver.
  *
  * buf's bytes stay as they are until the call returns.
  *

@@ -1,8 +1,8 @@
 //! What a call of `olp_device_poll` does.
 //!
 //! A device is ready here, its table what [`check`](super::table::check) found good, and no reference to it lives while
-//! one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and what was going
-//! on is over.
+//! one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and what was
+//! going on is over.
 
 use core::ffi::c_int;
 use core::mem::MaybeUninit;

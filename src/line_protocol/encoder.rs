@@ -18,8 +18,8 @@ use deltarobot_protocols::line::{EncodeError, Encoder};
 ///
 /// buf stays there until the line is finished; command is NULL or a string.
 ///
-/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`, `OLP_RC_TOO_LONG`
-/// when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
+/// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`,
+/// `OLP_RC_TOO_LONG` when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
 ///
 /// ```c
 /// char text[OLP_REPLY_MAX];
@@ -67,8 +67,8 @@ pub unsafe extern "C" fn olp_begin_command(
 /// with a zero byte.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
-/// `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call for this line
-/// returned.
+/// `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call
+/// for this line returned.
 ///
 /// ```c
 /// if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
