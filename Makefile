@@ -140,7 +140,8 @@ $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
 HELPERS :=
 BARE    := $(findstring -none,$(DP_TARGET))
 ifeq ($(SYSTEM),elf)
-PARTS   := $(if $(BARE),,payload sessions line gx kinematics) $(if $(SERIAL_EXPORTS),serial)
+PARTS   := $(if $(BARE),,receiver payload sessions line gx kinematics) $(if $(SERIAL_EXPORTS),serial)
+receiver   := dp_receiver_%
 payload    := dp_build% dp_read% dp_msg% dp_opcode_name%
 sessions   := dp_host_% dp_controller_%
 line       := olp_%

@@ -103,7 +103,7 @@ impl Transmission {
     }
 }
 
-/// A flag that can be in a set of [`Flags`]; [`flags!`] makes such a type.
+/// A flag that can be in a set of [`Flags`]; `flags!` makes such a type.
 pub trait Flag: Copy {
     /// The bits of all flags.
     const ALL: u16;
