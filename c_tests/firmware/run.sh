@@ -95,10 +95,10 @@ if [ "$what" = test ]; then
         done
     done
     "$tests/line.sh" test "$root/target/firmware/avr-none" "$out"
-    # The layouts, and the C tests of the other protocols, as they are, on what firmware gets. Not line_protocol.c: it
+    # The C tests of the other protocols, as they are, on what firmware gets. Not line/messages.c: it
     # takes strtof for its measure, and newlib's rounds twice.
     lib=$root/target/firmware/thumbv7em-none-eabi
-    for program in line/layout gx/contouring gx/messages gx/streams gx/contour gx/motion gx/host gx/hostile \
+    for program in gx/contouring gx/messages gx/streams gx/contour gx/motion gx/host gx/hostile \
         line/conversation line/encoder line/device line/device_calls line/host line/host_link; do
         quietly arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -std=gnu11 -O1 -ffunction-sections -I "$root/c_tests/common" \
             -I "$lib/include" --specs=rdimon.specs -nostartfiles -T "$tests/semihost.ld" -Wl,--gc-sections \
