@@ -114,7 +114,7 @@ pub unsafe extern "C" fn dp_receiver_next(receiver: *mut Receiver, msg: *mut Pro
 #[inline(never)]
 unsafe fn next(receiver: &mut State<{ receiver_room(DP_DATA_MAX_SIZE) }>, msg: *mut ProtocolMsg) -> c_int {
     // SAFETY: the same contract.
-    unsafe { hand_over(receiver.next(), msg) }
+    unsafe { hand_over(receiver.next_due(), msg) }
 }
 
 /// Fetches the next message when the line has been quiet for longer than a frame takes, as `dp_recv_idle` does: what is

@@ -44,11 +44,11 @@ pub const fn receiver_room(longest: usize) -> usize {
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub struct Receiver<const ROOM: usize> {
     /// How many bytes are in the buffer.
-    have: u16,
+    have: Count,
     /// One less than `have` must be for the next look.
-    last: u16,
+    last: Count,
     /// Where in the buffer the unread ones begin.
-    at: u16,
+    at: Count,
     buffer: [u8; ROOM],
 }
 
@@ -84,19 +84,21 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// One that has received nothing.
     #[must_use]
     pub const fn new() -> Self {
-        Self { have: 0, last: 0, at: 0, buffer: [0; ROOM] }
+        Self { have: Count::ZERO, last: Count::ZERO, at: Count::ZERO, buffer: [0; ROOM] }
     }
 
     /// Forgets what it has received.
     #[inline(always)]
     pub const fn clear(&mut self) {
-        (self.have, self.last, self.at) = (0, const { short(FRAME_OVERHEAD.wrapping_sub(1)) }, 0);
+        self.have.set::<ROOM>(0);
+        self.last.set::<ROOM>(const { FRAME_OVERHEAD.wrapping_sub(1) });
+        self.at.set::<ROOM>(0);
     }
 
     /// Whether nothing is there that may be part of a frame.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let unread = self.buffer.get(usize::from(self.at)..usize::from(self.have));
+        let unread = self.buffer.get(self.at.get::<ROOM>()..self.have.get::<ROOM>());
         unread.unwrap_or_default().is_empty()
     }
 
@@ -107,15 +109,18 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// [`Full`] when [`next`](Self::next) was not called in spite of that, and a few bytes have come since.
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
-        let have = self.have;
-        let Some(place) = self.buffer.get_mut(usize::from(have)) else {
+        let have = self.have.get::<ROOM>();
+        let Some(place) = self.buffer.get_mut(have) else {
             // Whatever was waited for.
-            self.last = 0;
+            self.last.set::<ROOM>(0);
             return Err(Full);
         };
         *place = byte;
-        self.have = have.wrapping_add(1);
-        Ok(have >= self.last)
+        self.have.set::<ROOM>(have.wrapping_add(1));
+        if have < self.last.get::<ROOM>() {
+            return Ok(false);
+        }
+        Ok(true)
     }
 
     /// Takes bytes, as many as there is room for, and says how many. [`next`](Self::next) is to be called then.
@@ -125,7 +130,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         }
         self.move_to_front();
         let taken = self.store(input);
-        self.last = 0;
+        self.last.set::<ROOM>(0);
         taken
     }
 
@@ -133,7 +138,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     #[must_use]
     pub const fn is_due(&self) -> bool {
-        self.have > self.last
+        self.have.get::<ROOM>() > self.last.get::<ROOM>()
     }
 
     /// Fetches the next frame: to be called until there is none.
@@ -145,6 +150,17 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[expect(clippy::should_implement_trait, reason = "what it returns borrows from the receiver")]
     pub fn next(&mut self) -> Result<Frame<'_>, NoFrame> {
         self.next_observed(&mut ())
+    }
+
+    /// The same, for callers that have asked [`is_due`](Self::is_due) before.
+    ///
+    /// # Errors
+    ///
+    /// As [`next`](Self::next).
+    #[inline(always)]
+    pub fn next_due(&mut self) -> Result<Frame<'_>, NoFrame> {
+        let found = self.look(false, &mut ())?;
+        self.frame(found)
     }
 
     /// The same, and the observer learns what is thrown away.
@@ -193,26 +209,26 @@ impl<const ROOM: usize> Receiver<ROOM> {
         observer: &mut impl Observer,
     ) -> Result<Frame<'a>, NoFrame> {
         let mut none = NoFrame::Waiting;
-        if usize::from(self.last) >= ROOM {
+        if self.last.get::<ROOM>() >= ROOM {
             // No state that this code leaves.
-            self.last = 0;
+            self.last.set::<ROOM>(0);
         }
         while !self.is_empty() {
-            if self.have <= self.last {
-                if input.is_empty() {
-                    return Err(none);
-                }
-                let missing = usize::from(self.last.wrapping_sub(self.have)).wrapping_add(1);
-                let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
-                // There is room: find() sees to that.
-                self.store(now);
-                *input = later;
-            } else {
+            if self.is_due() {
                 match self.find(false, observer) {
                     Ok(found) => return self.frame(found),
                     Err(NoFrame::Garbage) => none = NoFrame::Garbage,
                     Err(NoFrame::Waiting) => {}
                 }
+            } else {
+                if input.is_empty() {
+                    return Err(none);
+                }
+                let missing = self.last.get::<ROOM>().wrapping_sub(self.have.get::<ROOM>()).wrapping_add(1);
+                let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
+                // There is room: find() sees to that.
+                self.store(now);
+                *input = later;
             }
         }
         loop {
@@ -228,7 +244,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
                     self.clear();
                     self.store(input);
                     *input = &[];
-                    self.last = short(bytes.wrapping_sub(1));
+                    self.last.set::<ROOM>(bytes.wrapping_sub(1));
                     return Err(none);
                 }
                 Verdict::Fault(fault) => *input = behind_fault(input, fault, observer),
@@ -240,13 +256,16 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// Looks for a frame in the buffer, once as many bytes are there as that needs.
     #[inline(always)]
     fn find(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
-        if self.have <= self.last && !idle {
-            return Err(NoFrame::Waiting);
-        }
+        if self.is_due() || idle { self.look(idle, observer) } else { Err(NoFrame::Waiting) }
+    }
+
+    /// The same, whether or not as many bytes are there.
+    #[inline(always)]
+    fn look(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
         let mut none = NoFrame::Waiting;
-        let have = usize::from(self.have);
+        let have = self.have.get::<ROOM>();
         // Fields out of range are those of an empty receiver.
-        let Some(mut unread) = self.buffer.get(usize::from(self.at)..have) else { return Err(self.nothing(none)) };
+        let Some(mut unread) = self.buffer.get(self.at.get::<ROOM>()..have) else { return Err(self.nothing(none)) };
         let needed = loop {
             if unread.is_empty() {
                 return Err(self.nothing(none));
@@ -257,7 +276,8 @@ impl<const ROOM: usize> Receiver<ROOM> {
                     if unread.len() == length.wrapping_add(FRAME_OVERHEAD) {
                         self.clear();
                     } else {
-                        (self.last, self.at) = (0, short(at.wrapping_add(length).wrapping_add(FRAME_OVERHEAD)));
+                        self.last.set::<ROOM>(0);
+                        self.at.set::<ROOM>(at.wrapping_add(length).wrapping_add(FRAME_OVERHEAD));
                     }
                     return Ok((opcode, at.wrapping_add(FRAME_HEAD), length));
                 }
@@ -291,7 +311,9 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     fn wait_at(&mut self, at: usize, bytes: usize) {
         let end = at.wrapping_add(bytes);
-        (self.last, self.at) = (short(end.wrapping_sub(1)), short(at));
+        // What does not fit a count is right again, modulo its range, when the bytes have been moved.
+        self.last.set::<ROOM>(end.wrapping_sub(1));
+        self.at.set::<ROOM>(at);
         if end > ROOM {
             self.move_to_front();
         }
@@ -301,21 +323,24 @@ impl<const ROOM: usize> Receiver<ROOM> {
     fn move_to_front(&mut self) {
         let cells = Cell::from_mut(self.buffer.as_mut_slice()).as_slice_of_cells();
         // Not by copy_within, which is a call of memmove.
-        let Some(unread) = cells.get(usize::from(self.at)..usize::from(self.have)) else { return self.clear() };
+        let Some(unread) = cells.get(self.at.get::<ROOM>()..self.have.get::<ROOM>()) else { return self.clear() };
         for (to, from) in cells.iter().zip(unread) {
             to.set(from.get());
         }
-        (self.have, self.last, self.at) = (self.have.wrapping_sub(self.at), self.last.wrapping_sub(self.at), 0);
+        let at = self.at.get::<ROOM>();
+        self.have.set::<ROOM>(self.have.get::<ROOM>().wrapping_sub(at));
+        self.last.set::<ROOM>(self.last.get::<ROOM>().wrapping_sub(at));
+        self.at.set::<ROOM>(0);
     }
 
     /// Stores as many bytes behind the others as there is room for.
     #[inline(always)]
     fn store(&mut self, input: &[u8]) -> usize {
-        let have = usize::from(self.have);
+        let have = self.have.get::<ROOM>();
         let room = self.buffer.get_mut(have..).unwrap_or_default();
         let stored = input.len().min(room.len());
         bytes::copy(input, room, |byte| byte);
-        self.have = short(have.wrapping_add(stored));
+        self.have.set::<ROOM>(have.wrapping_add(stored));
         stored
     }
 }
@@ -342,11 +367,30 @@ fn behind_fault<'a>(bytes: &'a [u8], fault: Fault, observer: &mut impl Observer)
     rest
 }
 
-/// A place in the buffer or a number of bytes in it.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "at most receiver_room(255)")]
-const fn short(bytes: usize) -> u16 {
-    bytes as u16
+/// A place in the buffer or a number of bytes in it. Where one byte holds all of them, the high one is left alone: two
+/// take AVR twice as long.
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
+struct Count {
+    low: u8,
+    high: u8,
+}
+
+impl Count {
+    const ZERO: Self = Self { low: 0, high: 0 };
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "at most receiver_room(255)")]
+    const fn set<const ROOM: usize>(&mut self, count: usize) {
+        self.low = count as u8;
+        if ROOM > 0xFF {
+            self.high = (count >> 8) as u8;
+        }
+    }
+
+    #[inline(always)]
+    const fn get<const ROOM: usize>(self) -> usize {
+        u16::from_le_bytes([self.low, if ROOM <= 0xFF { 0 } else { self.high }]) as usize
+    }
 }
 
 #[cfg(test)]
@@ -491,6 +535,20 @@ mod tests {
         prop::collection::vec(piece, 0..12).prop_map(|pieces| pieces.concat())
     }
 
+    #[test]
+    fn long_candidates_that_begin_far_behind_are_waited_for() {
+        let candidate = |length: u8| [b"$M".as_slice(), &[length], &[b'x'; 97]].concat();
+        let mut frame = [b"$M\xF0".as_slice(), &[b'y'; 240]].concat();
+        frame.push(frame.iter().fold(b':', |sum, byte| sum.wrapping_add(*byte)));
+        frame.push(b':');
+        for length in [230, 240, 245] {
+            let stream = [candidate(length).repeat(7), frame.clone(), candidate(length), frame.clone()].concat();
+            check::<{ receiver_room(240) }>(&stream, &[1]);
+            check::<{ receiver_room(245) }>(&stream, &[64, 200]);
+            check::<{ receiver_room(246) }>(&stream, &[64, 200]);
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -500,6 +558,8 @@ mod tests {
             check::<{ receiver_room(2) }>(&stream, &chunks);
             check::<{ receiver_room(12) }>(&stream, &chunks);
             check::<{ receiver_room(32) }>(&stream, &chunks);
+            // The largest whose counts are bytes.
+            check::<{ receiver_room(245) }>(&stream, &chunks);
             check::<{ receiver_room(255) }>(&stream, &chunks);
         }
 
