@@ -157,14 +157,16 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     }
 
     /// The next event; `None` when nothing has happened.
+    #[inline]
     pub fn poll(&mut self, now: u32) -> Option<Event> {
         // Right behind a byte, no time has passed.
         if now != self.arrived_at {
             self.on_timer(now);
         }
-        self.pending.take()
+        if self.pending.is_none() { None } else { self.pending.take() }
     }
 
+    #[inline(never)]
     fn on_timer(&mut self, now: u32) {
         if self.gap_left(now) == 0 && self.has_room() {
             self.busy = 0;

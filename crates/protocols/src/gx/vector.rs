@@ -71,6 +71,7 @@ impl Vector {
     }
 
     /// Makes it another's copy. Field by field, which never becomes a call of memcpy.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub fn copy(&mut self, from: &Self) {
         self.velocity = from.velocity;
         self.mask = from.mask;
@@ -94,23 +95,28 @@ impl Vector {
     pub fn follow(&mut self, vector: &Self, is_step: bool) -> Result<(), Lost> {
         // All of it or nothing: the first round only looks.
         for writes in [false, true] {
-            for (axis, place) in self.axes.iter_mut().enumerate() {
-                if vector.mask & bit(axis) == 0 {
-                    continue;
+            let (mut flags, mut known) = (vector.mask & MASK_AXES, self.mask);
+            for (place, value) in self.axes.iter_mut().zip(&vector.axes) {
+                if flags == 0 {
+                    break;
                 }
-                let mut value = vector.axes.get(axis).copied().unwrap_or_default();
-                if is_step {
-                    if self.mask & bit(axis) == 0 {
-                        return Err(Lost::Unknown);
+                if flags & 1 != 0 {
+                    let mut value = *value;
+                    if is_step {
+                        if known & 1 == 0 {
+                            return Err(Lost::Unknown);
+                        }
+                        value = value.wrapping_add(*place);
                     }
-                    value = value.wrapping_add(*place);
+                    if !is_position(value) {
+                        return Err(Lost::Range);
+                    }
+                    if writes {
+                        *place = value;
+                    }
                 }
-                if !is_position(value) {
-                    return Err(Lost::Range);
-                }
-                if writes {
-                    *place = value;
-                }
+                flags >>= 1;
+                known >>= 1;
             }
         }
         self.mask |= vector.mask;
@@ -128,23 +134,25 @@ impl Vector {
     pub fn check(&self, named: u8, number: u16) -> u8 {
         let velocity = if named & MASK_VELOCITY == 0 { 0 } else { self.velocity };
         let mut sum = add(add(0, number.into()), velocity.into());
-        for (axis, value) in self.axes.iter().enumerate() {
+        let mut flags = named;
+        for value in &self.axes {
             // From 0 on: the sign of two's complement would be worth 16.
-            sum = add(sum, if named & bit(axis) == 0 { 0 } else { value.wrapping_sub(POSITION_MIN).cast_unsigned() });
+            sum = add(sum, if flags & 1 == 0 { 0 } else { value.wrapping_sub(POSITION_MIN).cast_unsigned() });
+            flags >>= 1;
         }
         if sum >= 127 { sum.wrapping_sub(127) } else { sum }
     }
 }
 
-/// The residue modulo 127 (up to 130) of a number to which 32 bits are appended.
+/// The residue modulo 127 (up to 178) of a number to which 32 bits are appended.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn add(sum: u8, value: u32) -> u8 {
-    let mut sum = sum;
-    for byte in value.to_be_bytes() {
-        // 256 is 2 modulo 127, and 128 is 1.
-        let wide = u16::from(sum).wrapping_mul(2).wrapping_add(byte.into());
-        sum = (wide & 0x7F).wrapping_add(wide >> 7) as u8;
-    }
-    sum
+    // 256 is 2 modulo 127, and 128 is 1.
+    let [first, second, third, fourth] = value.to_le_bytes();
+    let append = |sum: u16, byte: u8| sum.wrapping_mul(2).wrapping_add(byte.into());
+    let wide = append(append(append(append(sum.into(), fourth), third), second), first);
+    let [low, high] = wide.wrapping_add(wide).to_le_bytes();
+    (low >> 1).wrapping_add(high)
 }
 
 /// The bit of an axis.
