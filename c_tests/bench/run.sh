@@ -23,7 +23,7 @@ for program in deltarobot line gx; do
     # A dump is one side of a case: its own total, and what the calls into the library or the model add up to.
     for dump in "$work"/callgrind.out.*; do
         awk -v program=$program '
-            BEGIN { measured = program == "deltarobot" ? "(dp|model)_(process|recv|send)" : "(olp|gx|plain)_" }
+            BEGIN { measured = program == "deltarobot" ? "(dp|model)_(process|recv|send|receiver)" : "(olp|gx|plain)_" }
             /^desc: Trigger: Client Request: / { name = $5; goal = $6; side = $7; bytes = $8 }
             /^fn=/ { inside = $0 ~ "^fn=" measured }
             /^cfn=/ { counts = !inside && $0 ~ "^cfn=" (name ~ /^full-ring/ ? "(dp|model)_recv" : measured) }
