@@ -1,7 +1,7 @@
 //! Summing, copying and finding bytes: the only place where code differs between targets. On hosts blocks of bytes are
 //! taken at a time, elsewhere one byte; `--cfg small_leaves` has hosts do that too, for tests.
 //!
-//! The standard copies become calls of memcpy, which the library does without (see the crate's `no_builtins`).
+//! The standard copies become calls of memcpy, which the library does without.
 
 /// Whether blocks are taken at a time.
 pub const WIDE: bool = cfg!(all(target_pointer_width = "64", not(small_leaves)));

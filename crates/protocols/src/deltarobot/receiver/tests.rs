@@ -1,0 +1,201 @@
+//! What the receiver finds, beside the grammar applied to the whole stream.
+
+use std::vec::Vec;
+
+use proptest::prelude::*;
+use zerocopy::FromBytes;
+
+use super::{Full, Observer, Receiver, receiver_room};
+use crate::deltarobot::{Fault, Verdict, judge};
+
+type Messages = Vec<(u8, Vec<u8>)>;
+
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Losses {
+    skipped: usize,
+    bad_checksums: usize,
+}
+
+impl Observer for Losses {
+    fn skipped(&mut self, bytes: usize) {
+        assert!(bytes > 0);
+        self.skipped += bytes;
+    }
+    fn bad_checksum(&mut self) {
+        self.bad_checksums += 1;
+    }
+}
+
+/// The grammar, applied to a whole stream: the messages, the losses, and how many bytes wait for more.
+fn naive(mut stream: &[u8], longest: usize, idle: bool) -> (Messages, Losses, usize) {
+    let (mut messages, mut losses) = (Vec::new(), Losses::default());
+    loop {
+        match judge(stream, longest) {
+            Verdict::Frame { opcode, length } => {
+                messages.push((opcode.0, stream[3..length + 3].to_vec()));
+                stream = &stream[length + 5..];
+                continue;
+            }
+            Verdict::Needs(_) if !idle || stream.is_empty() => return (messages, losses, stream.len()),
+            Verdict::Needs(_) => {}
+            Verdict::Fault(fault) => losses.bad_checksums += usize::from(fault == Fault::Checksum),
+        }
+        losses.skipped += 1;
+        stream = &stream[1..];
+    }
+}
+
+/// Fetches all that is there.
+fn fetch<const ROOM: usize>(receiver: &mut Receiver<ROOM>, losses: &mut Losses, messages: &mut Messages) {
+    while let Ok(frame) = receiver.next_observed(losses) {
+        messages.push((frame.opcode.0, frame.payload.to_vec()));
+    }
+}
+
+fn check<const ROOM: usize>(stream: &[u8], chunks: &[usize]) {
+    let (expected, expected_losses, _) = naive(stream, Receiver::<ROOM>::LONGEST, true);
+    let until_now = |upto: usize| naive(&stream[..upto], Receiver::<ROOM>::LONGEST, false).0.len();
+    let mut chunks = chunks.iter().copied().cycle();
+
+    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    for (place, byte) in stream.iter().enumerate() {
+        if receiver.byte(*byte).unwrap() {
+            fetch(&mut receiver, &mut losses, &mut messages);
+        }
+        assert_eq!(messages.len(), until_now(place + 1), "byte {place}");
+    }
+    while let Ok(frame) = receiver.next_idle(&mut losses) {
+        messages.push((frame.opcode.0, frame.payload.to_vec()));
+    }
+    assert!(receiver.is_empty());
+    assert_eq!((&messages, &losses), (&expected, &expected_losses), "byte by byte");
+
+    // As long as there is room, nothing is fetched.
+    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    for byte in stream {
+        if receiver.byte(*byte) == Err(Full) {
+            fetch(&mut receiver, &mut losses, &mut messages);
+            receiver.byte(*byte).unwrap();
+        }
+    }
+    while let Ok(frame) = receiver.next_idle(&mut losses) {
+        messages.push((frame.opcode.0, frame.payload.to_vec()));
+    }
+    assert_eq!((&messages, &losses), (&expected, &expected_losses), "late");
+
+    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    let (mut rest, mut given) = (stream, 0);
+    while !rest.is_empty() {
+        let (mut now, later) = rest.split_at(chunks.next().unwrap().clamp(1, rest.len()));
+        given += now.len();
+        rest = later;
+        while let Ok(frame) = receiver.next_of_observed(&mut now, &mut losses) {
+            messages.push((frame.opcode.0, frame.payload.to_vec()));
+        }
+        assert!(now.is_empty());
+        assert_eq!(messages.len(), until_now(given), "{given} in chunks");
+    }
+    while let Ok(frame) = receiver.next_idle(&mut losses) {
+        messages.push((frame.opcode.0, frame.payload.to_vec()));
+    }
+    assert_eq!((&messages, &losses), (&expected, &expected_losses), "in chunks");
+
+    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    let mut rest = stream;
+    while !rest.is_empty() {
+        let size = chunks.next().unwrap().clamp(1, rest.len());
+        let taken = receiver.take(&rest[..size]);
+        rest = &rest[taken..];
+        fetch(&mut receiver, &mut losses, &mut messages);
+        assert_eq!(messages.len(), until_now(stream.len() - rest.len()), "taken");
+    }
+    while let Ok(frame) = receiver.next_idle(&mut losses) {
+        messages.push((frame.opcode.0, frame.payload.to_vec()));
+    }
+    assert_eq!((&messages, &losses), (&expected, &expected_losses), "taken");
+}
+
+/// Frames, beginnings of frames, and noise.
+fn stream() -> impl Strategy<Value = Vec<u8>> {
+    let opcode = prop_oneof![9 => prop::sample::select(b"ANHSMChsme".to_vec()), 1 => any::<u8>()];
+    let payload = prop_oneof![4 => 0..6_usize, 1 => 0..40_usize].prop_flat_map(|length| {
+        prop::collection::vec(prop_oneof![3 => any::<u8>(), 1 => prop::sample::select(b"$:A\0\x01".to_vec())], length)
+    });
+    let frame = (opcode, payload, 0..20_u8).prop_map(|(opcode, payload, damage)| {
+        let mut frame = [b"$".as_slice(), &[opcode, u8::try_from(payload.len()).unwrap()], &payload].concat();
+        let sum = frame.iter().fold(b':', |sum, byte| sum.wrapping_add(*byte));
+        frame.push(sum.wrapping_add(u8::from(damage == 0)));
+        frame.push(if damage == 1 { b'$' } else { b':' });
+        frame
+    });
+    let piece = prop_oneof![
+        6 => frame,
+        1 => prop::collection::vec(prop_oneof![Just(b'$'), Just(b'M'), any::<u8>()], 0..4),
+        2 => prop::collection::vec(prop::sample::select(b"$MA:\0\x01\x02".to_vec()), 0..12),
+        1 => (0..40_u8).prop_map(|length| [b'$', b'M', length, b':'].to_vec()),
+    ];
+    prop::collection::vec(piece, 0..12).prop_map(|pieces| pieces.concat())
+}
+
+#[test]
+fn long_candidates_that_begin_far_behind_are_waited_for() {
+    let candidate = |length: u8| [b"$M".as_slice(), &[length], &[b'x'; 97]].concat();
+    let mut frame = [b"$M\xF0".as_slice(), &[b'y'; 240]].concat();
+    frame.push(frame.iter().fold(b':', |sum, byte| sum.wrapping_add(*byte)));
+    frame.push(b':');
+    for length in [230, 240, 245] {
+        let stream = [candidate(length).repeat(7), frame.clone(), candidate(length), frame.clone()].concat();
+        check::<{ receiver_room(240) }>(&stream, &[1]);
+        check::<{ receiver_room(245) }>(&stream, &[64, 200]);
+        check::<{ receiver_room(246) }>(&stream, &[64, 200]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn it_finds_what_the_grammar_says(stream in stream(), chunks in prop::collection::vec(1..70_usize, 1..5)) {
+        check::<{ receiver_room(1) }>(&stream, &chunks);
+        check::<{ receiver_room(2) }>(&stream, &chunks);
+        check::<{ receiver_room(12) }>(&stream, &chunks);
+        check::<{ receiver_room(32) }>(&stream, &chunks);
+        // The largest whose counts are bytes.
+        check::<{ receiver_room(245) }>(&stream, &chunks);
+        check::<{ receiver_room(255) }>(&stream, &chunks);
+    }
+
+    #[test]
+    fn any_contents_are_safe(contents in prop::collection::vec(any::<u8>(), 18), small: bool, stream in stream()) {
+        type Small = Receiver<{ receiver_room(2) }>;
+        let mut contents = contents;
+        if small {
+            // Fields that may be in range.
+            contents[..6].iter_mut().enumerate().for_each(|(place, byte)| *byte = if place % 2 == 0 { *byte % 20 } else { 0 });
+        }
+        for way in 0..3 {
+            let mut receiver = Small::read_from_bytes(&contents).unwrap();
+            let mut input = stream.as_slice();
+            match way {
+                0 => while receiver.next_of(&mut input).is_ok() {},
+                1 => {
+                    let taken = receiver.take(input);
+                    assert!(taken <= input.len());
+                    while receiver.next().is_ok() {}
+                }
+                _ => for byte in input {
+                    if receiver.byte(*byte) != Ok(false) {
+                        while receiver.next().is_ok() {}
+                    }
+                },
+            }
+            while receiver.next_idle(&mut ()).is_ok() {}
+            prop_assert!(receiver.is_empty());
+            for byte in b"$S\0\xB1" {
+                prop_assert_eq!(receiver.byte(*byte), Ok(false));
+            }
+            prop_assert_eq!(receiver.byte(b':'), Ok(true));
+            prop_assert_eq!(receiver.next().map(|frame| frame.opcode.0), Ok(b'S'));
+        }
+    }
+}
