@@ -197,7 +197,7 @@ uninstall: ## removes what install put there, given the same directories
 
 # Not part of `all`: it needs crates that take longer to compile than the library, and most users none of it. Its sizes
 # are always the default ones. In a directory of its own: cargo would take its library and the shipped one, of other
-# features, for the same file, and compile both anew each time.
+# features, for the same file, and compile both again each time.
 CLI_DIR := $(CARGO_DIR)/cli
 # Compiled on all cores, unlike the library, for which each byte counts; and a panic removes links.
 CLI_PROFILE := CARGO_PROFILE_RELEASE_LTO=false CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_PANIC=unwind

@@ -80,7 +80,7 @@ pub const GX_HOST_FAILED: c_int = 3;
 pub const GX_HOST_DROPPED: c_int = 4;
 /// Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
 pub const GX_HOST_TIMED_OUT: c_int = 5;
-/// Outcome: the motion side has begun anew, or does not take this for a session any more. Whether the move was carried
+/// Outcome: the motion side was restarted, or does not take this for a session any more. Whether the move was carried
 /// out is not known.
 pub const GX_HOST_LOST: c_int = 6;
 /// Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is

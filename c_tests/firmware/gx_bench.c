@@ -4,6 +4,7 @@
  * are moves of a session, as hosts send them, text, and bytes that mean nothing. Prints a table on the UART, then "done".
  */
 #include "../../examples/firmware/board.h"
+#include "avr_clock.h"
 
 #include <libdeltarobot/gx_motion.h>
 
@@ -11,28 +12,6 @@
 #include <avr/io.h>
 #include <stdint.h>
 #include <string.h>
-#include <util/atomic.h>
-
-static volatile uint16_t overflows;
-
-ISR(TIMER1_OVF_vect)
-{
-    ++overflows;
-}
-
-static uint32_t ticks(void)
-{
-    uint16_t low, high;
-
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
-    {
-        low = TCNT1;
-        high = overflows;
-        if ((TIFR1 & _BV(TOV1)) && low < 0x8000u)
-            ++high;
-    }
-    return (uint32_t)high << 16 | low;
-}
 
 static void print(const char *text)
 {

@@ -3,6 +3,7 @@
  * after each byte, as a sketch calls them, without what the UART takes. Prints a table on it, and "done".
  */
 #include "../../examples/firmware/board.h"
+#include "avr_clock.h"
 
 #include <libdeltarobot/line_device.h>
 
@@ -10,28 +11,6 @@
 #include <avr/io.h>
 #include <stdint.h>
 #include <string.h>
-#include <util/atomic.h>
-
-static volatile uint16_t overflows;
-
-ISR(TIMER1_OVF_vect)
-{
-    ++overflows;
-}
-
-static uint32_t ticks(void)
-{
-    uint16_t low, high;
-
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
-    {
-        low = TCNT1;
-        high = overflows;
-        if ((TIFR1 & _BV(TOV1)) && low < 0x8000u)
-            ++high;
-    }
-    return (uint32_t)high << 16 | low;
-}
 
 static struct olp_device device;
 

@@ -118,7 +118,7 @@ extern "C" {
 #define GX_HOST_TIMED_OUT 5
 
 /**
- * Outcome: the motion side has begun anew, or does not take this for a session any more. Whether the move was carried
+ * Outcome: the motion side was restarted, or does not take this for a session any more. Whether the move was carried
  * out is not known.
  */
 #define GX_HOST_LOST 6

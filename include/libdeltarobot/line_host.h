@@ -1,7 +1,7 @@
 /**
  * @file
- * libdeltarobot/line_host.h: the PC's end of the Ozeki line protocol's link: sends commands, repeats them, tells how
- * they ended and what the devices say.
+ * libdeltarobot/line_host.h: the PC's end of the Ozeki line protocol's link: sends commands, retransmits them,
+ * reports how they ended and what the devices say.
  *
  * A session does no I/O. A loop around it:
  *

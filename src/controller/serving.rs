@@ -41,7 +41,7 @@ impl State {
 }
 
 /// A controller with functions of the firmware's. No reference to it lives while one of these runs: they may call the
-/// library on it, and even make it anew, without functions.
+/// library on it, and even initialize it again, without functions.
 #[derive(Clone, Copy)]
 pub(super) struct Served(*mut Controller);
 

@@ -155,13 +155,13 @@ pub(crate) struct Opening<'a> {
     path: &'a Path,
     options: &'a PortOptions,
     /// How long it is waited for; `None` for ever.
-    patience: Option<Duration>,
+    wait_limit: Option<Duration>,
 }
 
 impl<'a> Opening<'a> {
     pub(crate) fn new(path: &'a Path, options: &'a PortOptions, reconnects: bool) -> Self {
-        let patience = Duration::from_secs_f64(options.wait_for_port.unwrap_or_default());
-        Self { path, options, patience: (!reconnects).then_some(patience) }
+        let wait_limit = Duration::from_secs_f64(options.wait_for_port.unwrap_or_default());
+        Self { path, options, wait_limit: (!reconnects).then_some(wait_limit) }
     }
 
     /// `None` when it `is_given_up` before.
@@ -172,7 +172,7 @@ impl<'a> Opening<'a> {
                 Ok(device) => return Ok(Some(device)),
                 Err(failure) => failure,
             };
-            if self.patience.is_some_and(|patience| began.elapsed() >= patience) {
+            if self.wait_limit.is_some_and(|wait_limit| began.elapsed() >= wait_limit) {
                 return Err(failure);
             }
             let text = failure.to_string();

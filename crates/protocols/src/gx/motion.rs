@@ -364,7 +364,7 @@ mod tests {
         }
     }
 
-    /// A host that began anew while the machine still carried out moves of its last session, or of nobody's.
+    /// A host that began a new session while the machine still carried out moves of its last session, or of nobody's.
     #[test]
     fn a_stop_is_reported_to_who_waits_for_a_later_move() {
         let mut motion = Motion::new();

@@ -17,7 +17,7 @@
 //!   are in force, directly behind its ack, as that way of the line has no checksums. `toolong` says that it was
 //!   executed, but can't be answered, so that counts as its answer.
 //! - Timed out: neither came, though it was repeated.
-//! - Restarted: the device has started anew meanwhile. A repeat could be executed a second time.
+//! - Restarted: the device has restarted meanwhile. A repeat could be executed a second time.
 //!
 //! # Retransmission
 //!

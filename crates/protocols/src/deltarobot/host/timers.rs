@@ -66,7 +66,7 @@ impl Session {
             Stage::Queued => self.operation.previous_left(now, settings.guard()),
             Stage::Sent => self.operation.left(now, settings.ack()),
             Stage::NackAfterRetry => poll.min(self.resolution_left(now)),
-            Stage::Accepted => poll.min(self.patience_left(now)),
+            Stage::Accepted => poll.min(self.timeout_left(now)),
             Stage::Free | Stage::Ended => NEVER,
         }
     }
@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// How long until an accepted operation is given up.
-    fn patience_left(&self, now: u32) -> u32 {
+    fn timeout_left(&self, now: u32) -> u32 {
         let silence = left(now, self.heard_at, self.settings.silence());
         silence.min(left(now, self.started_at, self.settings.operation()))
     }
@@ -96,7 +96,7 @@ impl Session {
             Stage::Sent if self.facts.has(Fact::SeenRunning) => self.accept_by_reports(now),
             Stage::Sent => self.operation.end(Outcome::TimedOut),
             Stage::NackAfterRetry if self.resolution_left(now) == 0 => self.operation.end(Outcome::TimedOut),
-            Stage::Accepted if self.patience_left(now) == 0 => self.operation.end(Outcome::TimedOut),
+            Stage::Accepted if self.timeout_left(now) == 0 => self.operation.end(Outcome::TimedOut),
             _ => self.ask_status(now),
         }
     }
