@@ -222,7 +222,8 @@ impl Item {
         self.kind = kind as c_int;
         self.number.value = number.map_or(0, |number| number.value);
         self.number.format = number.map_or(0, |number| number.format as c_uchar);
-        self.format = if kind == Kind::Completed { self.number.format } else { receiver.format() as c_uchar };
+        let of_number = number.filter(|_| kind == Kind::Completed).map(|number| number.format);
+        self.format = of_number.unwrap_or(receiver.format()) as c_uchar;
         (self.code, self.period) = match kind {
             Kind::Malformed | Kind::Refused => (receiver.code(), 0),
             Kind::Reporting => (0, receiver.period() & gx::PERIOD_MAX),

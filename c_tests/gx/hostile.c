@@ -6,6 +6,7 @@
 #include "libdeltarobot/gx_motion.h"
 
 #include "check.h"
+#include "receiver.h"
 #include "wire.h"
 
 #include <limits.h>
@@ -28,6 +29,49 @@ static int some_bytes(const char *alphabet, int letters)
 static int some_room(void)
 {
     return (int)(wire_random(&seed) % sizeof out);
+}
+
+/* Whatever its memory held, a receiver returns no value that its header does not have. */
+static void in_range(const struct gx_item *item)
+{
+    int axis;
+    if (item->kind == GX_NONE)
+        return;
+    CHECK(item->kind > GX_NONE && item->kind <= GX_STATUS);
+    CHECK(item->format == GX_BINARY || item->format == GX_ASCII);
+    CHECK(item->number.value <= GX_NUMBER_MAX && item->number.format <= GX_ASCII);
+    CHECK(item->code <= 127 && item->period <= GX_PERIOD_MAX);
+    CHECK(item->vector.velocity <= GX_VELOCITY_MAX && item->vector.mask <= 127);
+    for (axis = 0; axis < GX_AXES; ++axis)
+        CHECK(item->vector.axes[axis] >= GX_POSITION_MIN && item->vector.axes[axis] <= GX_POSITION_MAX);
+}
+
+/* Each byte of a receiver is every value in turn, among zeros and among ones. */
+static void receivers_in_any_memory(void)
+{
+    static const char ENDS[][9] = {"\n", "a", "0\n", "?", "\x81", "\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF", ""};
+    struct receiver receiver;
+    struct gx_item item;
+    size_t at, end;
+    int others, value, host, taken, count, calls;
+
+    for (others = 0; others <= 255; others += 255)
+        for (at = 0; at < sizeof receiver.of; ++at)
+            for (value = 0; value <= 255; ++value)
+                for (end = 0; end < sizeof ENDS / sizeof *ENDS; ++end)
+                    for (host = 0; host <= 1; ++host) {
+                        memset(&receiver.of, others, sizeof receiver.of);
+                        ((unsigned char *)&receiver.of)[at] = (unsigned char)value;
+                        receiver.host = host;
+                        count = (int)strlen(ENDS[end]);
+                        for (taken = calls = 0; taken < count && calls < 20; ++calls) {
+                            taken += receive(&receiver, ENDS[end] + taken, count - taken, &item);
+                            in_range(&item);
+                        }
+                        CHECK_INT(taken, count);
+                        idle(&receiver, &item);
+                        in_range(&item);
+                    }
 }
 
 static void arguments_of_the_host(void)
@@ -169,6 +213,7 @@ static void a_motion_side_in_any_memory(void)
 
 int main(void)
 {
+    receivers_in_any_memory();
     arguments_of_the_host();
     a_host_in_any_memory();
     arguments_of_the_motion_side();
