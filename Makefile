@@ -83,7 +83,8 @@ ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
 endif
 
-.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli demo demo-line demo-gx \
+.PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
+    install-serve uninstall-serve demo demo-line demo-gx \
     bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
@@ -172,14 +173,15 @@ header: ## renews include/, which holds the headers of the default sizes
 	@echo "header: include is up to date"
 
 doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen
-	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --workspace --exclude deltarobot-cli --features serial \
+	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --workspace --exclude deltarobot-cli --exclude deltarobot-serve --features serial \
 	    --target-dir target
 	$(Q)mkdir -p target/doc/c && doxygen docs/Doxyfile
 	@echo "doc: target/doc/deltarobot/index.html for Rust, target/doc/c/html/index.html for C"
 
 # The tests call `make` themselves: they shall not take this one's options for theirs.
 test: ## runs all tests; TESTFLAGS go to `cargo test`
-	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) --workspace --features serial $(TESTFLAGS)
+	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) --workspace --exclude deltarobot-serve --features serial $(TESTFLAGS)
+	$(Q)MAKEFLAGS= MFLAGS= $(CARGO) test $(QUIET) -p deltarobot-serve $(TESTFLAGS)
 	@echo "test: passed"
 
 check-artifact: lib ## proves that the library exports what it should, and needs and holds nothing else
@@ -201,11 +203,19 @@ uninstall: ## removes what install put there, given the same directories
 CLI_DIR := $(CARGO_DIR)/cli
 # Compiled on all cores, unlike the library, for which each byte counts; and a panic removes links.
 CLI_PROFILE := CARGO_PROFILE_RELEASE_LTO=false CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 CARGO_PROFILE_RELEASE_PANIC=unwind
-cli: ## builds the program `deltarobot`
-	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) build $(QUIET) --release -p deltarobot-cli \
+# $(call program,NAME,PACKAGE)
+define program
+	+$(Q)mkdir -p $(OUT) && env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) build $(QUIET) --release -p $(2) \
 	    --target-dir $(CLI_DIR) $(if $(DP_TARGET),--target $(DP_TARGET))
-	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot,$(OUT)/deltarobot)
-	@echo "cli: $(OUT)/deltarobot"
+	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/$(1),$(OUT)/$(1))
+	@echo "$@: $(OUT)/$(1)"
+endef
+cli: ## builds the program `deltarobot`
+	$(call program,deltarobot,deltarobot-cli)
+
+# A program of its own, since what it is made of takes minutes to compile.
+serve: ## builds `deltarobot serve`
+	$(call program,deltarobot-serve,deltarobot-serve)
 
 # Where shells look for completions, and what `deltarobot completions` calls the shells.
 COMPLETIONS := bash:bash-completion/completions/deltarobot zsh:zsh/site-functions/_deltarobot \
@@ -227,6 +237,13 @@ uninstall-cli: ## removes the program from there
 	    '$(DESTDIR)$(DATADIR)'/man/man1/deltarobot-*.1
 	$(Q)for shell in $(COMPLETIONS); do rm -f '$(DESTDIR)$(DATADIR)'/$${shell#*:}; done
 	@echo "uninstall-cli: deltarobot is gone from $(DESTDIR)$(BINDIR)"
+
+install-serve: $(if $(shell command -v $(CARGO)),serve) ## installs `deltarobot serve` in BINDIR, below PREFIX
+	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot-serve '$(DESTDIR)$(BINDIR)/deltarobot-serve'
+	@echo "install-serve: deltarobot-serve is in $(DESTDIR)$(BINDIR)"
+uninstall-serve: ## removes it from there
+	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-serve'
+	@echo "uninstall-serve: deltarobot-serve is gone from $(DESTDIR)$(BINDIR)"
 
 demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
 	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host $(OUT)/deltarobot sim
@@ -275,7 +292,7 @@ FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
 	$(Q)rm -rf target $(IN_PLACE_SIZES) $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) \
-	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot.d*
+	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot-serve $(OUT)/deltarobot.d*
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:

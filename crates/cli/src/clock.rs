@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::status::Failure;
 
 /// What comes is looked for at least this often. It is shorter than every gap that ends a message.
-pub(crate) const SLICE: Duration = Duration::from_millis(25);
+pub const SLICE: Duration = Duration::from_millis(25);
 
 /// A clock that stands still while bytes wait to be read.
 ///
@@ -13,30 +13,32 @@ pub(crate) const SLICE: Duration = Duration::from_millis(25);
 /// arrival it can't know. It must not take the time that it was held up for silence on the line. So this clock shows
 /// the last time at which nothing was waiting; bytes that were read move it on by at most [`SLICE`].
 #[derive(Debug)]
-pub(crate) struct Clock {
+pub struct Clock {
     began: Instant,
     now: Duration,
 }
 
 impl Clock {
-    pub(crate) fn new() -> Self {
+    /// It begins now.
+    #[must_use]
+    pub fn new() -> Self {
         Self { began: Instant::now(), now: Duration::ZERO }
     }
 
     /// When what was received last arrived, or until when nothing did.
-    pub(crate) const fn now(&self) -> Duration {
+    pub const fn now(&self) -> Duration {
         self.now
     }
 
     /// The same in milliseconds, as sessions count them.
     #[expect(clippy::cast_possible_truncation, reason = "it may wrap")]
-    pub(crate) const fn now_ms(&self) -> u32 {
+    pub const fn now_ms(&self) -> u32 {
         self.now.as_millis() as u32
     }
 
     /// Calls `look`, which waits for at most so long, until it has received something or that time is over (a signal
     /// ends it too). At most a [`SLICE`] of it is waited.
-    pub(crate) fn receive<T>(
+    pub fn receive<T>(
         &mut self,
         time: Duration,
         mut look: impl FnMut(Duration) -> Result<Option<T>, Failure>,

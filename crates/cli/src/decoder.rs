@@ -1,6 +1,6 @@
 //! What passes on a line, taken apart: messages, and what lies between them. A file for each protocol.
 
-pub(crate) mod deltarobot;
+pub mod deltarobot;
 pub(crate) mod gx;
 pub(crate) mod line;
 
@@ -24,7 +24,7 @@ const KINDS_MAX: usize = 100;
 const OTHERS: &str = "(others)";
 
 /// Takes the bytes of a line apart.
-pub(crate) trait Decoder {
+pub trait Decoder {
     /// Takes bytes of which it is known, or not, who sent them, and gives back what is certain by then.
     fn feed(&mut self, from: Option<Side>, bytes: &[u8]) -> Vec<Piece>;
 
@@ -40,23 +40,29 @@ pub(crate) trait Decoder {
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub struct Piece {
     /// Who sent it, where that is known or the message tells.
-    pub(crate) from: Option<Side>,
-    pub(crate) kind: Kind,
+    pub from: Option<Side>,
+    /// What it counts as.
+    pub kind: Kind,
     /// In words.
-    pub(crate) text: String,
+    pub text: String,
     /// As JSON.
-    pub(crate) json: Map<String, Value>,
+    pub json: Map<String, Value>,
 }
 
 /// What it counts as.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// A message of this name.
     Message(Cow<'static, str>),
     /// No message, in so many bytes, and how many would be one if something in them were right.
-    Garbage { bytes: usize, damaged: usize },
+    Garbage {
+        /// Bytes of it.
+        bytes: usize,
+        /// How many messages would be in it.
+        damaged: usize,
+    },
 }
 
 impl Piece {
@@ -66,12 +72,13 @@ impl Piece {
         Self { from, kind, text, json }
     }
 
-    pub(crate) const fn is_message(&self) -> bool {
+    /// Whether it is a message and no garbage.
+    pub const fn is_message(&self) -> bool {
         matches!(self.kind, Kind::Message(_))
     }
 
     /// As JSON, between the other members of an object.
-    pub(crate) fn add_to(&self, mut object: Value) -> Value {
+    pub fn add_to(&self, mut object: Value) -> Value {
         if let Some(object) = object.as_object_mut() {
             object.extend(self.json.clone());
         }

@@ -1,7 +1,7 @@
 //! Bytes as hexadecimal digits.
 
 /// Bytes as text, such as `24 53 00 B1 3A`.
-pub(crate) fn hex(bytes: &[u8]) -> String {
+pub fn hex(bytes: &[u8]) -> String {
     let digit = |value: u8| char::from(b"0123456789ABCDEF".get(usize::from(value)).copied().unwrap_or(b'?'));
     let mut text = String::with_capacity(3 * bytes.len());
     for byte in bytes {
@@ -14,13 +14,13 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 }
 
 /// Bytes from text: hexadecimal digits, two a byte; spaces, commas, colons, hyphens and `0x` in between don't matter.
-pub(crate) fn from_hex(text: &str) -> Result<Vec<u8>, String> {
+pub fn from_hex(text: &str) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     append_hex(text, &mut bytes).map(|()| bytes)
 }
 
 /// Appends such bytes.
-pub(crate) fn append_hex(text: &str, bytes: &mut Vec<u8>) -> Result<(), String> {
+pub fn append_hex(text: &str, bytes: &mut Vec<u8>) -> Result<(), String> {
     let value = |digit: u8| char::from(digit).to_digit(16).and_then(|value| u8::try_from(value).ok());
     for word in text.split(|separator: char| separator.is_ascii_whitespace() || ",:;-".contains(separator)) {
         let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X")).unwrap_or(word);

@@ -19,7 +19,7 @@ use crate::screen::complain;
 use crate::status::{Failure, system_text};
 use crate::wait::{wait, wait_for};
 use network::Network;
-pub(crate) use network::is_url;
+pub use network::is_url;
 
 /// How long a write may wait for room. At 115200 baud the system's buffer is empty after half of that.
 const WRITE_TIME: Duration = Duration::from_secs(1);
@@ -30,34 +30,41 @@ const RETRY: Duration = Duration::from_millis(200);
 /// The gap within a message of a sender whose bytes come as they are sent; of those that come through a USB converter
 /// or another program; and of those from a network, where a lost packet comes again after 200 ms at the soonest, or a
 /// pipe, which may come from one.
-pub(crate) const GAP_DIRECT: Duration = Duration::from_millis(50);
+pub const GAP_DIRECT: Duration = Duration::from_millis(50);
 pub(crate) const GAP_USB: Duration = Duration::from_millis(250);
 pub(crate) const GAP_NETWORK: Duration = Duration::from_secs(1);
 
 /// How a port is opened.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Options of the port")]
-pub(crate) struct PortOptions {
+pub struct PortOptions {
     /// Speed of the line in baud: any that the hardware has
     #[arg(long, value_name = "BAUD", default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1..))]
-    baud: u32,
+    pub baud: u32,
     /// Sets the line DTR once the port is open. Opening raises it, which resets many boards
     #[arg(long, value_enum, value_name = "LEVEL")]
-    dtr: Option<Level>,
+    pub dtr: Option<Level>,
     /// Sets the line RTS once the port is open
     #[arg(long, value_enum, value_name = "LEVEL")]
-    rts: Option<Level>,
+    pub rts: Option<Level>,
     /// What becomes of DTR and RTS when the port is closed. Kept, they do not rise at the next opening, which then
     /// resets nothing
     #[arg(long, value_enum, value_name = "WHAT")]
-    at_close: Option<AtClose>,
+    pub at_close: Option<AtClose>,
     /// Silence after which an incomplete message is given up; by default 50 for a UART of this machine, 250 for a USB
     /// converter, another program or a recording, and 1000 for a network or a pipe
     #[arg(long, value_name = "MILLISECONDS", value_parser = clap::value_parser!(u32).range(1..=60_000))]
-    gap: Option<u32>,
+    pub gap: Option<u32>,
     /// Waits so long for a port that is not there, or in use
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     wait_for_port: Option<f64>,
+}
+
+/// As without options on the command line.
+impl Default for PortOptions {
+    fn default() -> Self {
+        Self { baud: 115_200, dtr: None, rts: None, at_close: None, gap: None, wait_for_port: None }
+    }
 }
 
 impl PortOptions {
@@ -77,8 +84,10 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 
 /// The level of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Level {
+pub enum Level {
+    /// Raised.
     On,
+    /// Lowered.
     Off,
 }
 
@@ -90,8 +99,10 @@ impl Level {
 
 /// What becomes of the lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum AtClose {
+pub enum AtClose {
+    /// They stay as they are.
     Keep,
+    /// They are lowered.
     Drop,
 }
 
@@ -206,7 +217,7 @@ impl AsFd for Port {
 }
 
 /// An open port.
-pub(crate) struct Device {
+pub struct Device {
     path: PathBuf,
     port: Port,
     baud: u32,
@@ -217,7 +228,8 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    pub(crate) fn open(path: &Path, options: &PortOptions) -> Result<Self, Failure> {
+    /// Opens one, which is then used by nobody else.
+    pub fn open(path: &Path, options: &PortOptions) -> Result<Self, Failure> {
         let opened = if is_url(path) {
             Network::open(path, options).map(|network| (Port::Network(network), GAP_NETWORK))
         } else {
@@ -233,17 +245,17 @@ impl Device {
     }
 
     /// Speed of the line in baud; 0 where that is not known.
-    pub(crate) const fn baud(&self) -> u32 {
+    pub const fn baud(&self) -> u32 {
         self.baud
     }
 
     /// The silence that ends a message.
-    pub(crate) const fn gap(&self) -> Duration {
+    pub const fn gap(&self) -> Duration {
         self.gap
     }
 
     /// How long an answer may take, unless the user says how long.
-    pub(crate) const fn answer_time(&self) -> Duration {
+    pub const fn answer_time(&self) -> Duration {
         match self.port {
             Port::Serial(_) => Duration::from_millis(250),
             Port::Network(_) => Duration::from_secs(1),
@@ -252,7 +264,7 @@ impl Device {
 
     /// Reads what has come, waiting for at most so long: [`bytes`](Self::bytes). `None` when nothing has, or a signal
     /// did.
-    pub(crate) fn receive(&mut self, time: Duration) -> Result<Option<()>, Failure> {
+    pub fn receive(&mut self, time: Duration) -> Result<Option<()>, Failure> {
         self.count = self.try_to_read(time).map_err(|cause| self.failure(cause))?;
         Ok((self.count > 0).then_some(()))
     }
@@ -280,11 +292,12 @@ impl Device {
     }
 
     /// What was read last.
-    pub(crate) fn bytes(&self) -> &[u8] {
+    pub fn bytes(&self) -> &[u8] {
         self.room.get(..self.count).unwrap_or_default()
     }
 
-    pub(crate) fn write(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+    /// Sends bytes, waiting for room where there is none.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         self.try_to_write(bytes).map_err(|cause| self.failure(cause))
     }
 
@@ -316,7 +329,7 @@ impl Device {
     }
 
     /// Waits until all was sent.
-    pub(crate) fn drain(&mut self) -> Result<(), Failure> {
+    pub fn drain(&mut self) -> Result<(), Failure> {
         loop {
             let Port::Serial(port) = &self.port else { return Ok(()) };
             match tcdrain(port) {

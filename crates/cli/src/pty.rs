@@ -17,7 +17,7 @@ use crate::tap::Note;
 use crate::wait::wait;
 
 /// The far end of a device which other programs open by its path.
-pub(crate) struct Pty {
+pub struct Pty {
     fd: OwnedFd,
     path: PathBuf,
     link: Option<PathBuf>,
@@ -26,7 +26,7 @@ pub(crate) struct Pty {
 }
 
 /// What came from the other program.
-pub(crate) enum Input {
+pub enum Input {
     /// So many bytes, 0 when none came in time or a signal did.
     Bytes(usize),
     /// No program has the device open.
@@ -35,7 +35,7 @@ pub(crate) enum Input {
 
 impl Pty {
     /// Makes one, and a symbolic link to it where asked for, which is removed with it.
-    pub(crate) fn new(link: Option<&Path>) -> Result<Self, Failure> {
+    pub fn new(link: Option<&Path>) -> Result<Self, Failure> {
         let (fd, path) = Self::open().map_err(|error| Failure::of_file("no pseudo-terminal", &error.into()))?;
         if let Some(link) = link {
             make_link(&path, link)?;
@@ -65,12 +65,12 @@ impl Pty {
     }
 
     /// The device's path, by the link if there is one.
-    pub(crate) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
     /// Reads what has come, waiting for at most so long.
-    pub(crate) fn read(&self, out: &mut [u8], time: Duration) -> Result<Input, Failure> {
+    pub fn read(&self, out: &mut [u8], time: Duration) -> Result<Input, Failure> {
         if self.wait(time)?.contains(PollFlags::IN) {
             return match rustix::io::read(&self.fd, out) {
                 Ok(0) | Err(Errno::IO) => Ok(Input::Nobody),
@@ -83,7 +83,7 @@ impl Pty {
     }
 
     /// Whether a program has the device open.
-    pub(crate) fn is_open(&self) -> Result<bool, Failure> {
+    pub fn is_open(&self) -> Result<bool, Failure> {
         Ok(!self.wait(Duration::ZERO)?.contains(PollFlags::HUP))
     }
 
@@ -92,7 +92,7 @@ impl Pty {
     }
 
     /// Writes what there is room for. A line does not wait for who reads too slowly, or not at all.
-    pub(crate) fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
         if !self.is_open()? {
             return Ok(());
         }

@@ -20,7 +20,7 @@ use chrono::{DateTime, SecondsFormat, Utc};
 use crate::hex::{append_hex, hex};
 
 /// The first line.
-pub(crate) const HEADER: &str = "# deltarobot recording 1";
+pub const HEADER: &str = "# deltarobot recording 1";
 /// What some editors put before it.
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// A line that is longer is none of a recording: `record` writes a tenth of it at most.
@@ -28,20 +28,24 @@ const LINE_MAX: usize = 1 << 20;
 
 /// Who sent something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Side {
+pub enum Side {
+    /// The program.
     Host,
+    /// The robot.
     Controller,
 }
 
 impl Side {
-    pub(crate) const fn arrow(self) -> char {
+    /// As in recordings.
+    pub const fn arrow(self) -> char {
         match self {
             Self::Host => '>',
             Self::Controller => '<',
         }
     }
 
-    pub(crate) const fn name(self) -> &'static str {
+    /// In a word.
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Host => "host",
             Self::Controller => "controller",
@@ -51,28 +55,34 @@ impl Side {
 
 /// Bytes that passed at a time.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Entry {
-    pub(crate) time: Duration,
-    pub(crate) from: Side,
-    pub(crate) bytes: Vec<u8>,
+pub struct Entry {
+    /// Since the recording began.
+    pub time: Duration,
+    /// Who sent them.
+    pub from: Side,
+    /// What was sent.
+    pub bytes: Vec<u8>,
 }
 
 impl Entry {
-    pub(crate) fn write(&self, out: &mut impl Write) -> io::Result<()> {
+    /// Writes its line.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{:.6} {} {}", self.time.as_secs_f64(), self.from.arrow(), hex(&self.bytes))
     }
 }
 
 /// What a time in a recording was by the clock on the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Start {
-    pub(crate) time: Duration,
-    pub(crate) utc: DateTime<Utc>,
+pub struct Start {
+    /// Since the recording began.
+    pub time: Duration,
+    /// Its date and time.
+    pub utc: DateTime<Utc>,
 }
 
 impl Start {
     /// Such a moment's date and time.
-    pub(crate) fn at(&self, time: Duration) -> DateTime<Utc> {
+    pub fn at(&self, time: Duration) -> DateTime<Utc> {
         self.utc + time.saturating_sub(self.time) - self.time.saturating_sub(time)
     }
 
@@ -97,7 +107,7 @@ impl fmt::Display for Start {
 }
 
 /// Whether a file that begins with these bytes is a recording; `None` when more of them are needed.
-pub(crate) fn is_recording(bytes: &[u8]) -> Option<bool> {
+pub fn is_recording(bytes: &[u8]) -> Option<bool> {
     let begins = |bytes: &[u8], with: &[u8]| {
         let length = bytes.len().min(with.len());
         (bytes.get(..length) == with.get(..length)).then_some(length == with.len())
@@ -116,7 +126,7 @@ pub(crate) fn is_recording(bytes: &[u8]) -> Option<bool> {
 /// that is passed over, also where the recording was continued afterwards. Every other line that can't be read is an
 /// error.
 #[derive(Debug)]
-pub(crate) struct Parser {
+pub struct Parser {
     /// What has come of a line.
     partial: Vec<u8>,
     number: usize,
@@ -130,7 +140,8 @@ pub(crate) struct Parser {
 }
 
 impl Parser {
-    pub(crate) const fn new() -> Self {
+    /// At the beginning of a recording.
+    pub const fn new() -> Self {
         Self {
             partial: Vec::new(),
             number: 0,
@@ -143,23 +154,23 @@ impl Parser {
     }
 
     /// When it was started, as far as it was read.
-    pub(crate) const fn start(&self) -> Option<Start> {
+    pub const fn start(&self) -> Option<Start> {
         self.start
     }
 
     /// The gap of the port that it was recorded from.
-    pub(crate) const fn gap(&self) -> Option<Duration> {
+    pub const fn gap(&self) -> Option<Duration> {
         self.gap
     }
 
     /// The time of the last entry.
-    pub(crate) const fn last(&self) -> Duration {
+    pub const fn last(&self) -> Duration {
         self.entry.time
     }
 
     /// Finds the first entry in `bytes`, or behind the partial line that came before them, and takes what was read off
     /// them. The error names the line.
-    pub(crate) fn next(&mut self, bytes: &mut &[u8]) -> Result<Option<&Entry>, String> {
+    pub fn next(&mut self, bytes: &mut &[u8]) -> Result<Option<&Entry>, String> {
         while let Some(end) = bytes.iter().position(|byte| *byte == b'\n') {
             let (line, rest) = bytes.split_at(end + 1);
             *bytes = rest;
@@ -183,7 +194,7 @@ impl Parser {
     }
 
     /// Nothing follows: an entry that has no end of a line may be the last.
-    pub(crate) fn end(&mut self) -> Result<Option<&Entry>, String> {
+    pub fn end(&mut self) -> Result<Option<&Entry>, String> {
         let line = std::mem::take(&mut self.partial);
         let is_entry = !line.is_empty() && self.line(&line)?;
         match self.doubtful.take() {
@@ -195,7 +206,7 @@ impl Parser {
     }
 
     /// What was passed over, in words.
-    pub(crate) fn damage(&self) -> Option<String> {
+    pub fn damage(&self) -> Option<String> {
         self.damaged.map(|(line, count)| match count {
             1 => format!("line {line} is damaged and was left out"),
             _ => format!("{count} lines, the first of them line {line}, are damaged and were left out"),

@@ -1,10 +1,10 @@
 //! `deltarobot sim`: a machine on a pseudo-terminal, and faults to order. A file for each protocol's machine.
 
-mod deltarobot;
+pub mod deltarobot;
 mod faults;
 mod gx;
 mod line;
-mod random;
+pub mod random;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -22,10 +22,10 @@ use faults::Faults;
 use random::Random;
 
 /// How often a machine is moved on.
-const TICK: Duration = Duration::from_millis(5);
+pub const TICK: Duration = Duration::from_millis(5);
 
 /// What is at the other end of the line. Times are since the simulation began.
-trait Machine {
+pub trait Machine {
     /// A program has opened the device.
     fn connected(&mut self, _now: Duration) {}
 

@@ -9,12 +9,18 @@ use crate::screen::complain;
 /// The exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub(crate) enum Status {
+pub enum Status {
+    /// All is well.
     Finished = 0,
+    /// The controller refused or failed.
     NotDone = 1,
+    /// The command line or a file of settings is wrong.
     Usage = 2,
+    /// A device or a file can't be used.
     Device = 3,
+    /// There was no answer.
     TimedOut = 4,
+    /// The user ended it.
     Cancelled = 5,
 }
 
@@ -26,7 +32,7 @@ impl From<Status> for ExitCode {
 
 /// Why it could not go on.
 #[derive(Debug)]
-pub(crate) enum Failure {
+pub enum Failure {
     /// A device or a file, and what is the matter with it.
     Device(String),
     /// Standard output.
@@ -37,12 +43,12 @@ pub(crate) enum Failure {
 
 impl Failure {
     /// What is the matter with a file or a device.
-    pub(crate) fn of(name: impl Display, error: impl Display) -> Self {
+    pub fn of(name: impl Display, error: impl Display) -> Self {
         Self::Device(format!("{name}: {error}"))
     }
 
     /// Says what it is, and how the program ends for it.
-    pub(crate) fn end(&self) -> Status {
+    pub fn end(&self) -> Status {
         if let Self::Output(error) = self
             && error.kind() == io::ErrorKind::BrokenPipe
         {
@@ -54,13 +60,13 @@ impl Failure {
     }
 
     /// The same for an error of the system.
-    pub(crate) fn of_file(name: impl Display, error: &io::Error) -> Self {
+    pub fn of_file(name: impl Display, error: &io::Error) -> Self {
         Self::of(name, system_text(error))
     }
 }
 
 /// An error of the system, worded without Rust's additions.
-pub(crate) fn system_text(error: &io::Error) -> String {
+pub fn system_text(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()
 }

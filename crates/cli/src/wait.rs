@@ -8,12 +8,12 @@ use rustix::io::Errno;
 
 /// Waits until there is something to read, or nobody at the other end, for at most so long. What happened: nothing,
 /// too, when a signal came.
-pub(crate) fn wait(fd: &impl AsFd, time: Duration) -> Result<PollFlags, Errno> {
+pub fn wait(fd: &impl AsFd, time: Duration) -> Result<PollFlags, Errno> {
     wait_for(fd, PollFlags::IN, time)
 }
 
 /// The same for other events; an error at the other end is always one.
-pub(crate) fn wait_for(fd: &impl AsFd, events: PollFlags, time: Duration) -> Result<PollFlags, Errno> {
+pub fn wait_for(fd: &impl AsFd, events: PollFlags, time: Duration) -> Result<PollFlags, Errno> {
     let time = Timespec::try_from(time).map_err(|_| Errno::INVAL)?;
     let mut polled = [PollFd::new(fd, events)];
     match poll(&mut polled, Some(&time)) {

@@ -4,12 +4,12 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX, Pos
 use serde_json::{Value, json};
 
 /// An opcode's name.
-pub(crate) fn name(opcode: Opcode) -> &'static str {
+pub fn name(opcode: Opcode) -> &'static str {
     opcode.name()
 }
 
 /// A message on one line, worded as the original's host program does.
-pub(crate) fn text(opcode: Opcode, payload: &[u8]) -> String {
+pub fn text(opcode: Opcode, payload: &[u8]) -> String {
     let mut text = String::new();
     describe(opcode, payload, &mut |byte| text.push(char::from(byte)));
     if Message::read(opcode, payload, Layout::Auto).is_none() {
@@ -19,7 +19,7 @@ pub(crate) fn text(opcode: Opcode, payload: &[u8]) -> String {
 }
 
 /// State, position and end stops, such as `IDLE  DA=0  DB=0  DC=0 STP_A`.
-pub(crate) fn report(report: &Report) -> String {
+pub fn report(report: &Report) -> String {
     let message = Message::StatusReport(*report);
     let mut payload = [0; PAYLOAD_MAX];
     let length = message.write(Layout::Firmware, &mut payload);
@@ -29,7 +29,7 @@ pub(crate) fn report(report: &Report) -> String {
 }
 
 /// State, position and end stops.
-pub(crate) fn report_json(report: &Report) -> Value {
+pub fn report_json(report: &Report) -> Value {
     let stops: Vec<_> = [(4, "A"), (8, "B"), (16, "C")]
         .into_iter()
         .filter_map(|(bit, arm)| (report.stat() & bit != 0).then_some(arm))
@@ -49,7 +49,7 @@ fn number(bits: u32) -> Value {
 }
 
 /// What a message says.
-pub(crate) fn json(opcode: Opcode, payload: &[u8]) -> Value {
+pub fn json(opcode: Opcode, payload: &[u8]) -> Value {
     let mut value = match Message::read(opcode, payload, Layout::Auto) {
         Some(Message::Ack(answered) | Message::Nack(answered)) => json!({ "answers": name(answered) }),
         Some(Message::Move(target)) => json!({ "target": position_json(target) }),

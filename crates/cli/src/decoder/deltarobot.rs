@@ -22,7 +22,7 @@ const PAYLOAD_LONGEST: usize = 32;
 
 /// Finds frames as the library does, and keeps what it throws away.
 #[derive(Default)]
-pub(crate) struct Frames {
+pub struct Frames {
     lanes: Lanes<Lane>,
 }
 

@@ -30,7 +30,7 @@ fn address(path: &Path) -> Option<(Scheme, &str)> {
 }
 
 /// Whether a port's name is that of one in a network.
-pub(crate) fn is_url(path: &Path) -> bool {
+pub fn is_url(path: &Path) -> bool {
     address(path).is_some()
 }
 

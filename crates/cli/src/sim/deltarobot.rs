@@ -16,9 +16,9 @@ use robot::Robot;
 const ROOM: usize = receiver_room(32);
 
 /// Options of the controller.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Options of --protocol deltarobot")]
-pub(super) struct ControllerOptions {
+pub struct ControllerOptions {
     /// What to answer like: `firmware`, the default, sends status reports of 16 bytes with the reserved bits set;
     /// `spec` sends 13 bytes, and HOMING_REPLY, MOVE_REPLY and GENERAL_ERROR besides. With `spec` a move beyond an end
     /// stop is an error, from which nothing leads; with `firmware` the robot stops there and can be homed
@@ -47,7 +47,8 @@ impl ControllerOptions {
     }
 }
 
-pub(super) struct Controller {
+/// Such a controller.
+pub struct Controller {
     is_firmware: bool,
     no_ack: bool,
     session: Session<ROOM>,
@@ -60,7 +61,8 @@ pub(super) struct Controller {
 }
 
 impl Controller {
-    pub(super) fn new(options: &ControllerOptions, rubbish: Random) -> Self {
+    /// One that was just switched on.
+    pub fn new(options: &ControllerOptions, rubbish: Random) -> Self {
         let is_firmware = options.layout != Some(Kind::Spec);
         Self {
             is_firmware,

@@ -4,17 +4,18 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// `SplitMix64`.
 #[derive(Clone, Debug)]
-pub(super) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
     /// The same numbers for the same seed; without one, others each time.
     #[expect(clippy::cast_possible_truncation, reason = "the lower bits of the time are those that vary")]
-    pub(super) fn new(seed: Option<u64>) -> Self {
+    pub fn new(seed: Option<u64>) -> Self {
         let time = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
         Self(seed.unwrap_or_else(time))
     }
 
-    pub(super) const fn next(&mut self) -> u64 {
+    /// The next number.
+    pub const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;
         mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -24,7 +25,7 @@ impl Random {
 
     /// From 0 to below 1.
     #[expect(clippy::cast_precision_loss, reason = "32 bits are exact")]
-    pub(super) fn fraction(&mut self) -> f64 {
+    pub fn fraction(&mut self) -> f64 {
         (self.next() >> 32) as f64 / (1_u64 << 32) as f64
     }
 }

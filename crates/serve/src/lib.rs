@@ -1,0 +1,2 @@
+//! `deltarobot serve`: owns the ports of robots, and lets many programs watch and drive them.
+#![forbid(unsafe_code)]

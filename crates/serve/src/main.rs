@@ -1,0 +1,2 @@
+//! The program `deltarobot-serve`.
+fn main() {}
