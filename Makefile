@@ -85,7 +85,7 @@ endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
     install-serve uninstall-serve demo demo-line demo-gx \
-    bench coverage mutants figures fuzz clean help FORCE
+    wheel bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -262,6 +262,13 @@ $(STAGE)/demo/$(2): examples/$(1) $(STAGE)/libdeltarobot.a | lib
 endef
 $(foreach source,demo.c $(addsuffix .c,deltarobot/host line/pc line/device gx/host gx/motion), \
     $(eval $(call example,$(source),$(subst /,-,$(basename $(source))))))
+
+# The library in it is another one, without the serial port.
+wheel: ## builds a Python package in OUT; needs Python with pip
+	+$(Q)mkdir -p $(OUT) && PYTHON_BUILD='$(abspath $(OUT))/.wheel' DP_TARGET='$(DP_TARGET)' CROSS_COMPILE='$(CROSS_COMPILE)' \
+	    MAKEFLAGS= MFLAGS= $(PYTHON) -m pip --disable-pip-version-check wheel $(QUIET) --no-deps -w $(OUT) packaging/python
+	@echo "wheel: $$(ls -t $(OUT)/deltarobot-$(VERSION)-*.whl | head -n 1)"
+PYTHON ?= python3
 
 bench: lib ## measures the library beside a model of the original
 	$(Q)c_tests/bench/run.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE)

@@ -17,6 +17,7 @@ mod gx;
 mod line;
 mod network;
 mod output;
+mod python;
 mod recordings;
 mod run;
 mod screens;
@@ -37,7 +38,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::support::{DEFAULT, Library, Mode, Program, build, command, has_tool, out_dir, run, text};
+use crate::support::{DEFAULT, Library, Mode, Program, build, command, has_tool, is_missing, out_dir, root, run, text};
 
 const FINISHED: i32 = 0;
 const NOT_DONE: i32 = 1;

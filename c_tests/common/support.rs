@@ -481,7 +481,7 @@ pub(crate) fn has_eigen() -> bool {
 }
 
 /// False, after saying so; where all tools are demanded, a failure.
-fn is_missing(name: &str) -> bool {
+pub(crate) fn is_missing(name: &str) -> bool {
     assert!(env::var("DP_REQUIRE_TOOLS").as_deref() != Ok("1"), "{name} is not installed");
     // Not println: that is captured when a test passes.
     let _ = writeln!(std::io::stderr(), "skipped: {name} is not installed");
