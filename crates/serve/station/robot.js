@@ -1,0 +1,3 @@
+/** @typedef {any} Robot */
+/** @typedef {any} State */
+export {};
