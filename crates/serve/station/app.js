@@ -1,0 +1,225 @@
+// Puts the parts together: which view is shown, and what flows where.
+import { Calibration } from './calibrate.js';
+import { cancelButton, onCancelKeys } from './cancel.js';
+import { Connection } from './connection.js';
+import { by, enable, input, make, number, say, select } from './dom.js';
+import { Fleet } from './fleet.js';
+import { Panel, headline } from './panel.js';
+import { PathPanel } from './path.js';
+import { Playback } from './playback.js';
+import { Plot } from './plot.js';
+import { Recorded } from './recorded.js';
+import { MachineScene } from './scene.js';
+import { Traffic } from './traffic.js';
+
+/** @typedef {import('./robot.js').Robot} Robot */
+/** @typedef {import('./robot.js').Entry} Entry */
+
+const connection = new Connection();
+/** What the robot's view shows. @type {Robot | null} */
+let shown = null;
+const current = () => shown;
+
+const scene = new MachineScene(by('view'));
+const plot = new Plot(by('plot-area'), by('plot-values'));
+const traffic = new Traffic();
+const panel = new Panel(current);
+const paths = new PathPanel(current, scene);
+const fleet = new Fleet();
+new Calibration(current);
+const recorded = new Recorded();
+const playback = new Playback(() => {
+  recorded.reset();
+  clear();
+}, (entries) => entries.forEach((entry) => recorded.feed(entry)));
+
+const cancel = cancelButton('cancel', async () => (shown && shown !== recorded.robot ? shown.cancel() : cancelAll()));
+const allCancel = cancelButton('cancel-all', cancelAll);
+
+async function cancelAll() {
+  const robots = [...connection.robots.values()];
+  const outcomes = await Promise.allSettled(robots.map((robot) => robot.cancel()));
+  const failed = outcomes.flatMap((outcome, at) => (outcome.status === 'rejected' ? [`${robots[at].name}: ${outcome.reason.message}`] : []));
+  if (failed.length) throw new Error(failed.join('; '));
+  return `Cancelled: all ${robots.length} controllers have confirmed`;
+}
+
+onCancelKeys(() => (by('fleet').hidden ? cancel : allCancel).press());
+
+// Views
+
+/** The geometry that the scene was built for. */
+let built = '';
+let spoken = '';
+
+function clear() {
+  plot.clear();
+  traffic.clear();
+  scene.clearTrace();
+}
+
+/** @param {Robot | null} robot */
+function show(robot) {
+  if (robot === shown) return;
+  shown?.watch(null);
+  shown = robot;
+  built = '';
+  clear();
+  cancel.clear();
+  paths.reset();
+  by('robot').hidden = robot === null;
+  by('playback').hidden = robot !== recorded.robot;
+  if (robot === null) return;
+  if (robot !== recorded.robot) robot.watch(showEntry);
+  update(robot);
+  panel.changeKind();
+}
+
+function route() {
+  const [, view, name] = location.hash.split('/');
+  const only = connection.robots.size === 1 ? [...connection.robots.values()][0] : null;
+  by('to-fleet').hidden = only !== null;
+  let wanted = view === 'robot' && name ? connection.robots.get(decodeURIComponent(name)) ?? null : null;
+  if (view === 'recording') wanted = recorded.robot;
+  else if (view !== 'robot') wanted = only;
+  show(wanted);
+  by('fleet').hidden = wanted !== null;
+  say(by('title'), wanted?.name ?? 'Station');
+  document.title = wanted ? `${wanted.name} · Station` : 'Station';
+  for (const [id, active] of /** @type {const} */ ([['to-fleet', wanted === null], ['to-playback', wanted === recorded.robot]])) {
+    if (active) by(id).setAttribute('aria-current', 'page'); else by(id).removeAttribute('aria-current');
+  }
+  fleet.updateSoon(connection.robots.values());
+}
+
+/** Shows what a robot's state is now. @param {Robot} robot */
+function update(robot) {
+  fleet.updateSoon(connection.robots.values());
+  if (robot !== shown) return;
+  const { state } = robot;
+  const geometry = JSON.stringify([state.machine, state.lengths]);
+  if (geometry !== built) {
+    if (built !== '') paths.reset();
+    built = geometry;
+    scene.setMachine(state.machine, state.lengths);
+  }
+  scene.setStops(state.stops);
+  scene.setPose(state.pose, state.operation?.pose ?? null);
+  if (state.pose) paths.addReached(state.pose);
+  showPlace(robot);
+  panel.update();
+  paths.update();
+  say(by('view'), '');
+  const word = `${robot.name}: ${headline(state)[0]}`;
+  if (word !== spoken) say(by('announce'), word);
+  spoken = word;
+}
+
+/** The machine, or bars where no pose is known. @param {Robot} robot */
+function showPlace({ state }) {
+  by('view').hidden = state.machine === null;
+  by('bars').hidden = state.pose !== null;
+  const why = state.machine === null ? 'The geometry of this robot is not set: only displacements can be shown.'
+    : state.displacements === null ? 'The position is unknown: no pose is shown.'
+      : state.pose === null ? 'No pose has these displacements.' : '';
+  say(by('view-note'), state.stale && why === '' ? 'No connection: this is where it was last.' : why);
+  if (by('bars').hidden) return;
+  const bars = by('bars');
+  if (!bars.children.length) {
+    bars.append(...['A', 'B', 'C'].map((arm, at) => make('div', { class: 'bar', 'data-arm': String(at) }, make('span', { class: 'arm' }, arm), make('div', { class: 'track' }, make('i')), make('span'))));
+  }
+  [...bars.children].forEach((bar, arm) => {
+    const value = state.displacements?.[arm];
+    const [low, high] = state.limits?.[arm] ?? [0, Math.max(100, value ?? 0)];
+    const part = value == null ? 0 : Math.min(Math.max((value - low) / (high - low), 0), 1);
+    const fill = bar.querySelector('i');
+    if (fill) fill.style.height = `${part * 100}%`;
+    say(bar.children[2], value == null ? 'unknown' : number(value));
+  });
+  bars.setAttribute('aria-label', `Displacements: ${['A', 'B', 'C'].map((arm, at) => `${arm} ${number(state.displacements?.[at])}`).join(', ')}`);
+}
+
+/** @param {Entry} entry */
+function showEntry(entry) {
+  if (entry.displacements !== undefined) plot.add(entry.time, entry.displacements ?? [null, null, null]);
+  if (entry.event) plot.addEvent(entry.time, entry.event);
+  if (entry.traffic) traffic.add(entry.traffic);
+}
+
+// The page's own controls
+
+const tabs = ['plot', 'traffic', 'path'];
+/** @param {string} name */
+function openTab(name) {
+  for (const tab of tabs) {
+    by(`tab-${tab}`).setAttribute('aria-selected', String(tab === name));
+    by(`tab-${tab}`).tabIndex = tab === name ? 0 : -1;
+    by(tab).hidden = tab !== name;
+  }
+  paths.show(name === 'path');
+  plot.draw();
+  traffic.draw();
+}
+tabs.forEach((tab, at) => {
+  by(`tab-${tab}`).addEventListener('click', () => openTab(tab));
+  by(`tab-${tab}`).addEventListener('keydown', ({ key }) => {
+    const step = { ArrowRight: 1, ArrowLeft: tabs.length - 1 }[key];
+    if (step === undefined) return;
+    const next = tabs[(at + step) % tabs.length];
+    openTab(next);
+    by(`tab-${next}`).focus();
+  });
+});
+
+/** @param {string} id @param {{ pause: (paused: boolean) => void }} view */
+function pauseButton(id, view) {
+  by(id).addEventListener('click', () => {
+    const paused = by(id).getAttribute('aria-pressed') !== 'true';
+    by(id).setAttribute('aria-pressed', String(paused));
+    view.pause(paused);
+  });
+}
+pauseButton('plot-pause', plot);
+pauseButton('traffic-pause', traffic);
+by('plot-all').addEventListener('click', () => plot.showAll());
+by('plot-csv').addEventListener('click', () => plot.saveCsv());
+by('plot-png').addEventListener('click', () => plot.savePng());
+by('view-reset').addEventListener('click', () => scene.resetView());
+by('trace-clear').addEventListener('click', () => scene.clearTrace());
+
+select('theme').value = localStorage.getItem('theme') ?? '';
+function theme() {
+  const { value } = select('theme');
+  if (value) document.documentElement.dataset.theme = value; else delete document.documentElement.dataset.theme;
+  localStorage.setItem('theme', value);
+  document.dispatchEvent(new Event('themechange'));
+}
+select('theme').addEventListener('change', theme);
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => document.dispatchEvent(new Event('themechange')));
+theme();
+
+input('playback-file').addEventListener('change', async () => {
+  const file = input('playback-file').files?.[0];
+  if (!file) return;
+  try {
+    say(by('playback-note'), `${file.name}: being read…`);
+    playback.open(await recorded.read(file));
+  } catch (error) {
+    say(by('playback-note'), `${file.name}: ${error instanceof Error ? error.message : error}`);
+  }
+  enable(by('playback-play'), playback.entries.length > 0);
+});
+
+recorded.robot.changed = () => update(recorded.robot);
+connection.onRobots = route;
+connection.onUpdate = update;
+connection.onLink = (text, bad) => {
+  say(by('connection'), text);
+  by('connection').toggleAttribute('data-bad', bad);
+};
+window.addEventListener('hashchange', route);
+route();
+connection.open();
+
+// For the tests, and for whoever looks for an error.
+Object.assign(window, { station: { scene, plot, traffic, paths, connection, robot: current } });
