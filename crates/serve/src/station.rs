@@ -20,7 +20,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
 struct Files;
 
 /// Answers requests for the page and its files.
-pub(crate) fn router() -> Router {
+pub fn router() -> Router {
     Router::new().fallback(get(file)).layer(CompressionLayer::new())
 }
 
@@ -33,8 +33,8 @@ async fn file(uri: Uri, headers: HeaderMap) -> Response {
         return (StatusCode::NOT_FOUND, format!("there is no {path}\n")).into_response();
     };
     // Weak, as it stands for the compressed file too.
-    let digest = file.metadata.sha256_hash().iter().take(16).map(|byte| format!("{byte:02x}")).collect::<String>();
-    let tag = format!("W/\"{digest}\"");
+    let digest = file.metadata.sha256_hash().first_chunk().map_or(0, |first| u128::from_be_bytes(*first));
+    let tag = format!("W/\"{digest:032x}\"");
     let known = headers.get(IF_NONE_MATCH).is_some_and(|tags| tags.as_bytes() == tag.as_bytes());
     let head = [
         (CONTENT_TYPE, content_type(path).to_owned()),
