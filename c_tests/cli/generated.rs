@@ -4,8 +4,9 @@ use std::os::unix::fs::PermissionsExt;
 
 use super::*;
 
-const SUBCOMMANDS: [&str; 12] =
-    ["sim", "home", "move", "status", "cancel", "run", "send", "monitor", "decode", "ports", "record", "replay"];
+const SUBCOMMANDS: [&str; 13] = [
+    "sim", "home", "move", "status", "cancel", "path", "run", "send", "monitor", "decode", "ports", "record", "replay",
+];
 
 #[test]
 fn completions_know_all_subcommands() {

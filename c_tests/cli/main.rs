@@ -17,6 +17,7 @@ mod gx;
 mod line;
 mod network;
 mod output;
+mod path;
 mod python;
 mod recordings;
 mod run;

@@ -12,7 +12,16 @@
     clippy::new_without_default,
     reason = "the errors are all of one kind, in words, and this is no library for others than the programs here"
 )]
-#![cfg_attr(test, allow(clippy::indexing_slicing, clippy::unwrap_used, reason = "a test that can't go on fails"))]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::float_cmp,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used,
+        reason = "a test that can't go on fails, and numbers that are written down are compared as they are"
+    )
+)]
 
 pub mod clock;
 mod decode;
@@ -22,6 +31,7 @@ mod generate;
 pub mod hex;
 mod monitor;
 mod operation;
+pub mod path;
 pub mod port;
 mod ports;
 mod protocol;
@@ -75,9 +85,11 @@ enum Command {
     /// Moves the robot, and waits until it is there
     Move(operation::Move),
     /// Asks for the robot's state and position
-    Status(operation::Plain),
+    Status(operation::StatusQuery),
     /// Cancels what the robot is doing
     Cancel(operation::Plain),
+    /// Checks a path from a CSV, SVG or G-code file, and has the robot trace it
+    Path(path::command::Arguments),
     /// Makes requests from a file, one after the other
     Run(run::Arguments),
     /// Sends commands of the protocols `line` and `gx`, and waits for their ends
@@ -114,6 +126,7 @@ fn dispatch(command: &Command) -> Result<Status, Failure> {
         Command::Move(arguments) => operation::move_to(arguments),
         Command::Status(arguments) => operation::status(arguments),
         Command::Cancel(arguments) => operation::cancel(arguments),
+        Command::Path(arguments) => path::command::run(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Send(arguments) => send::run(arguments),
         Command::Monitor(arguments) => monitor::run(arguments),

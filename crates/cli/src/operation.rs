@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use deltarobot_protocols::deltarobot::Position;
 
+use crate::path::command::read_machine;
 use crate::port::PortOptions;
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
@@ -26,6 +27,15 @@ pub(crate) struct Home {
 /// A request that needs to know no more.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Plain {
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct StatusQuery {
+    /// Says where the platform is, too, by the machine's geometry: a file like examples/geometry.toml
+    #[arg(long, value_name = "FILE")]
+    geometry: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -53,8 +63,9 @@ struct Operation {
     no_wait: bool,
 }
 
+/// What all requests to a controller have.
 #[derive(Debug, clap::Args)]
-struct Common {
+pub(crate) struct Common {
     /// The device that the controller is at (or `tcp://HOST:PORT`, `rfc2217://HOST:PORT`); by default what the environment's variable DELTAROBOT_PORT says
     port: Option<PathBuf>,
     /// The same, by an option
@@ -62,9 +73,9 @@ struct Common {
     option: Option<PathBuf>,
     /// One JSON object at the end instead of lines
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
     #[command(flatten)]
-    session: SessionOptions,
+    pub(crate) session: SessionOptions,
 }
 
 /// How a controller is talked to.
@@ -81,7 +92,7 @@ pub(crate) struct SessionOptions {
 
 impl Common {
     /// (Not by clap, for which a variable is as good as an option, and would be at odds with the argument.)
-    fn port(&self) -> Result<PathBuf, Failure> {
+    pub(crate) fn port(&self) -> Result<PathBuf, Failure> {
         let given = self.port.as_ref().or(self.option.as_ref()).cloned();
         let in_environment = || env::var_os("DELTAROBOT_PORT").filter(|port| !port.is_empty()).map(PathBuf::from);
         given.or_else(in_environment).ok_or_else(|| Failure::Usage("a <PORT> is needed; try --help".into()))
@@ -100,8 +111,12 @@ pub(crate) fn move_to(arguments: &Move) -> Result<Status, Failure> {
     request(&arguments.common, arguments.operation.no_wait, Request::Move(target))
 }
 
-pub(crate) fn status(arguments: &Plain) -> Result<Status, Failure> {
-    request(&arguments.common, false, Request::Status)
+pub(crate) fn status(arguments: &StatusQuery) -> Result<Status, Failure> {
+    let mut reporter = Reporter::new(arguments.common.json);
+    if let Some(path) = &arguments.geometry {
+        reporter.know(read_machine(path)?);
+    }
+    report(&arguments.common, false, Request::Status, reporter)
 }
 
 pub(crate) fn cancel(arguments: &Plain) -> Result<Status, Failure> {
@@ -109,7 +124,10 @@ pub(crate) fn cancel(arguments: &Plain) -> Result<Status, Failure> {
 }
 
 fn request(common: &Common, no_wait: bool, request: Request) -> Result<Status, Failure> {
-    let mut reporter = Reporter::new(common.json);
+    report(common, no_wait, request, Reporter::new(common.json))
+}
+
+fn report(common: &Common, no_wait: bool, request: Request, mut reporter: Reporter) -> Result<Status, Failure> {
     let result = perform(common, no_wait, request, &mut reporter);
     if let Err(failure) = &result {
         reporter.failed(request.name(), failure);

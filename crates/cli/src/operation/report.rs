@@ -8,6 +8,7 @@ use deltarobot_protocols::deltarobot::host::Outcome;
 use serde_json::{Value, json};
 
 use super::driver::{Driver, End, Request};
+use crate::path::Machine;
 use crate::screen::{Screen, complain};
 use crate::status::{Failure, Status, system_text};
 use crate::words;
@@ -20,15 +21,26 @@ pub(crate) struct Reporter {
     began: Instant,
     /// Which of many requests it is: what is put before what is said, and into JSON.
     step: Option<(String, Value)>,
+    /// Whose pose is said.
+    machine: Option<Machine>,
 }
 
 impl Reporter {
     pub(crate) fn new(json: bool) -> Self {
-        Self { screen: Some(Screen::new()), json, began: Instant::now(), step: None }
+        Self { screen: Some(Screen::new()), json, began: Instant::now(), step: None, machine: None }
     }
 
     pub(crate) fn silent() -> Self {
-        Self { screen: None, json: false, began: Instant::now(), step: None }
+        Self { screen: None, json: false, began: Instant::now(), step: None, machine: None }
+    }
+
+    /// From now on the platform's pose is said too, where it is known.
+    pub(crate) fn know(&mut self, machine: Machine) {
+        self.machine = Some(machine);
+    }
+
+    fn pose(&self, report: &Report) -> Option<[f64; 3]> {
+        self.machine.as_ref()?.pose(report.position.0.map(f32::from_bits))
     }
 
     /// Another request begins.
@@ -105,9 +117,15 @@ impl Reporter {
                 },
             });
             add(&mut value, "reason", reason.clone().map(Value::from));
+            if self.machine.is_some() {
+                add(&mut value, "pose", Some(json!(report.and_then(|report| self.pose(&report)))));
+            }
             self.conclude_json(value);
         } else {
-            let report = report.map(|report| words::report(&report));
+            let report = report.map(|report| {
+                let pose = self.pose(&report).map(|[x, y, z]| format!("  x={x:.5} y={y:.5} z={z:.5}"));
+                words::report(&report) + &pose.unwrap_or_default()
+            });
             let line = match (request, end, report) {
                 (Request::Status, End::Outcome(Outcome::Finished), Some(report)) => report,
                 (_, End::Accepted, _) => format!("{}: accepted", request.name()),
