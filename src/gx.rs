@@ -222,8 +222,7 @@ impl Item {
         self.kind = kind as c_int;
         self.number.value = number.map_or(0, |number| number.value);
         self.number.format = number.map_or(0, |number| number.format as c_uchar);
-        let of_number = number.filter(|_| kind == Kind::Completed).map(|number| number.format);
-        self.format = of_number.unwrap_or(receiver.format()) as c_uchar;
+        self.format = receiver.format() as c_uchar;
         (self.code, self.period) = match kind {
             Kind::Malformed | Kind::Refused => (receiver.code(), 0),
             Kind::Reporting => (0, receiver.period() & gx::PERIOD_MAX),
@@ -237,7 +236,11 @@ impl Item {
                 self.number = Number { value: number.into(), format: self.format };
                 (check, 0)
             }
-            Kind::Move | Kind::Step | Kind::Completed | Kind::Position => (0, 0),
+            Kind::Completed => {
+                self.format = number.map_or(self.format, |number| number.format as c_uchar);
+                (0, 0)
+            }
+            Kind::Move | Kind::Step | Kind::Position => (0, 0),
         };
         let has_vector = matches!(kind, Kind::Move | Kind::Step | Kind::Position);
         self.vector.mask = if has_vector { vector.mask & (gx::MASK_AXES | gx::MASK_VELOCITY) } else { 0 };

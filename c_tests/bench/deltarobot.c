@@ -189,19 +189,19 @@ static void payload_cases(void)
         int payload = payloads[i];
         fill_frames(&stream, payload);
         sprintf(name, "encode:%d", payload);
-        measure(name, 16, &stream, dp_encode, model_encode);
+        measure(name, 9, &stream, dp_encode, model_encode);
         sprintf(name, "bytes:%d", payload);
-        measure(name, 60, &stream, dp_bytes, model_bytes);
+        measure(name, 103, &stream, dp_bytes, model_bytes);
         sprintf(name, "chunks:%d", payload);
-        measure(name, 25, &stream, dp_chunks, model_chunks);
+        measure(name, 33, &stream, dp_chunks, model_chunks);
         sprintf(name, "each-64:%d", payload);
-        measure(name, 25, &stream, each_64, NULL);
+        measure(name, 33, &stream, each_64, NULL);
         sprintf(name, "each-1024:%d", payload);
-        measure(name, 25, &stream, each_1024, NULL);
+        measure(name, 32, &stream, each_1024, NULL);
         sprintf(name, "receiver:%d", payload);
-        measure(name, 32, &stream, receiver_bytes, NULL);
+        measure(name, payload < 12 ? 47 : 25, &stream, receiver_bytes, NULL);
         sprintf(name, "receiver-each-64:%d", payload);
-        measure(name, payload < 12 ? 18 : 9, &stream, receiver_each, NULL);
+        measure(name, payload < 12 ? 22 : 9, &stream, receiver_each, NULL);
     }
 }
 
@@ -209,15 +209,15 @@ static void stream_cases(const char *what, struct stream *stream)
 {
     char name[50];
     sprintf(name, "bytes:%s", what);
-    measure(name, 60, stream, dp_bytes, model_bytes);
+    measure(name, 120, stream, dp_bytes, model_bytes);
     sprintf(name, "chunks:%s", what);
-    measure(name, 25, stream, dp_chunks, model_chunks);
+    measure(name, 40, stream, dp_chunks, model_chunks);
     sprintf(name, "each-64:%s", what);
-    measure(name, 25, stream, each_64, NULL);
+    measure(name, 49, stream, each_64, NULL);
     sprintf(name, "receiver:%s", what);
-    measure(name, 60, stream, receiver_bytes, NULL);
+    measure(name, 65, stream, receiver_bytes, NULL);
     sprintf(name, "receiver-each-64:%s", what);
-    measure(name, 60, stream, receiver_each, NULL);
+    measure(name, 69, stream, receiver_each, NULL);
 }
 
 /* A ring full of the pattern, one dp_recv: a byte here is one of the ring. */
@@ -226,7 +226,7 @@ static void full_ring_case(const char *what, struct stream *stream)
     char name[50];
     sprintf(name, "full-ring:%s", what);
     stream->size = DP_BUFSIZE;
-    measure(name, 60, stream, dp_full_ring, model_full_ring);
+    measure(name, 32, stream, dp_full_ring, model_full_ring);
 }
 
 static void hostile_cases(void)

@@ -138,17 +138,17 @@ int main(int argc, char **argv)
     memset(&number, 0, sizeof number);
     number.format = GX_BINARY;
     fill(&stream, 2, 0, GX_BINARY, NULL);
-    decode_case("gx-long:2-axes", 50, &stream, CHUNK, 1);
+    decode_case("gx-long:2-axes", 34, &stream, CHUNK, 1);
     fill(&stream, 6, 0, GX_BINARY, NULL);
-    decode_case("gx-long:6-axes", 40, &stream, CHUNK, 1);
+    decode_case("gx-long:6-axes", 21, &stream, CHUNK, 1);
     fill(&stream, 2, 1, GX_BINARY, NULL);
-    decode_case("gx-short:2-axes", 88, &stream, CHUNK, 1);
+    decode_case("gx-short:2-axes", 72, &stream, CHUNK, 1);
     fill(&stream, 6, 1, GX_BINARY, NULL);
-    decode_case("gx-short:6-axes", 72, &stream, CHUNK, 1);
+    decode_case("gx-short:6-axes", 46, &stream, CHUNK, 1);
     fill(&stream, 2, 0, GX_BINARY, &number);
-    decode_case("gx-long:numbered", 52, &stream, CHUNK, 0);
+    decode_case("gx-long:numbered", 40, &stream, CHUNK, 0);
     fill(&stream, 2, 0, GX_ASCII, NULL);
-    decode_case("gx-ascii:2-axes", 0, &stream, CHUNK, 0);
+    decode_case("gx-ascii:2-axes", 70, &stream, CHUNK, 0);
     MEASURE("gx-contour:2-axes", 0, "library", contour(), contour());
     return 0;
 }

@@ -269,6 +269,79 @@ pub fn copy_and_add_up<T>(mut sum: u8, from: &[u8], to: &mut [T], item: impl Fn(
     sum
 }
 
+/// Fletcher's two sums in one, second above first and each modulo 255, of those before `sum` and as many more bytes as
+/// are taken in words; the bytes that are left. None of the sums that go on from there is 0.
+#[inline(always)]
+#[must_use]
+pub fn fletcher_words(sum: u16, bytes: &[u8]) -> (u16, &[u8]) {
+    let (words, rest) = bytes.as_chunks::<WORD>();
+    if !WIDE || words.is_empty() {
+        return (sum, bytes);
+    }
+    let [second, first] = sum.to_be_bytes();
+    let (mut first, mut second) = (u32::from(first), u32::from(second));
+    // Sums of 5,802 bytes would still fit.
+    for block in words.chunks(512) {
+        for word in block {
+            let (plain, weighted) = fletcher_word(*word);
+            second = second.wrapping_add(first.wrapping_mul(8)).wrapping_add(weighted);
+            first = first.wrapping_add(plain);
+        }
+        (first, second) = (folded(first), folded(second));
+    }
+    let ([first, ..], [second, ..]) = (first.to_le_bytes(), second.to_le_bytes());
+    (u16::from_be_bytes([second, first]), rest)
+}
+
+/// What a word adds to the first sum, and to the second besides eight times the first: each byte as often as it is in a
+/// sum that is added there, 8 times to once.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "16 bits")]
+const fn fletcher_word(word: [u8; WORD]) -> (u32, u32) {
+    const LANES: u64 = 0x00FF_00FF_00FF_00FF;
+    let word = u64::from_le_bytes(word);
+    let (even, odd) = (word & LANES, word >> 8 & LANES);
+    // A product's highest lane is the sum of all lanes, each times the factor that stands opposite; none overflows.
+    let plain = even.wrapping_add(odd).wrapping_mul(0x0001_0001_0001_0001) >> 48;
+    let weighted =
+        (even.wrapping_mul(0x0008_0006_0004_0002) >> 48).wrapping_add(odd.wrapping_mul(0x0007_0005_0003_0001) >> 48);
+    (plain as u32, weighted as u32)
+}
+
+/// The same residue modulo 255, 1 to 255; 0 only of 0.
+const fn folded(sum: u32) -> u32 {
+    let sum = (sum & 0xFFFF).wrapping_add(sum >> 16);
+    let sum = (sum & 0xFF).wrapping_add(sum >> 8);
+    let sum = (sum & 0xFF).wrapping_add(sum >> 8);
+    (sum & 0xFF).wrapping_add(sum >> 8)
+}
+
+/// How many bytes are in front of the first that is below a limit, of at most 128.
+#[inline(always)]
+#[must_use]
+pub fn before_less(bytes: &[u8], limit: u8) -> usize {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    let mut before = 0_usize;
+    let mut rest = bytes;
+    while WIDE && let Some((word, behind)) = rest.split_first_chunk::<WORD>() {
+        let word = u64::from_le_bytes(*word);
+        // The high bit of each such byte, and of some above the first, which don't matter.
+        let less = word.wrapping_sub(ONES.wrapping_mul(limit.into())) & !word & ONES << 7;
+        if less != 0 {
+            return before.wrapping_add(less.trailing_zeros() as usize >> 3);
+        }
+        before = before.wrapping_add(WORD);
+        rest = behind;
+    }
+    for byte in rest {
+        if *byte < limit {
+            break;
+        }
+        before = before.wrapping_add(1);
+    }
+    before
+}
+
 /// Where the byte is found first.
 #[inline(always)]
 #[must_use]
@@ -281,7 +354,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use super::{add_up, copy};
+    use super::{add_up, before_less, copy};
 
     fn some(length: usize) -> Vec<u8> {
         (0..=u8::MAX).map(|place| place.wrapping_mul(167).wrapping_add(89)).take(length).collect()
@@ -295,6 +368,19 @@ mod tests {
             assert_eq!(add_up(200, &bytes), sum, "{length} bytes");
         }
         assert_eq!(add_up(0, &[0xFF; 255]), 1);
+    }
+
+    #[test]
+    fn the_first_byte_below_a_limit_is_found() {
+        for length in 0..40 {
+            let above: Vec<u8> = [b'\'', 0x80, 0x7F, 0xA6, 0xFF].into_iter().cycle().take(length).collect();
+            assert_eq!(before_less(&above, b'\''), length);
+            for (at, below) in (0..length).flat_map(|at| [(at, b'&'), (at, 0)]) {
+                let mut bytes = above.clone();
+                bytes[at..].iter_mut().step_by(3).for_each(|byte| *byte = below);
+                assert_eq!(before_less(&bytes, b'\''), at, "{bytes:?}");
+            }
+        }
     }
 
     #[test]

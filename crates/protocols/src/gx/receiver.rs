@@ -19,6 +19,7 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 use super::message::{Fault, Format, Kind, Number, Numbered};
 use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, halves, low, push, signed7, signed28, unsigned14};
 use super::vector::{MASK_AXES, MASK_VELOCITY, Vector};
+use crate::bytes::WIDE;
 
 mod text;
 
@@ -105,8 +106,13 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     pub fn receive(&mut self, bytes: &[u8]) -> (usize, Option<Kind>) {
         let mut rest = bytes;
         self.begin_call();
-        while let Some((byte, behind)) = rest.split_first() {
-            let step = if self.state == VALUE && *byte >= HIGH { self.packed(*byte) } else { self.step(*byte) };
+        while let Some((byte, mut behind)) = rest.split_first() {
+            let step = match self.state {
+                VALUE if *byte >= HIGH => self.packed(*byte),
+                MASK if WIDE && *byte >= HIGH => self.mask(*byte),
+                _ => self.step(*byte),
+            };
+            let step = if step == Step::Taken { self.whole_values(&mut behind) } else { step };
             match step {
                 Step::Taken => rest = behind,
                 Step::Done(kind) => return (bytes.len().wrapping_sub(behind.len()), Some(kind)),
@@ -300,6 +306,18 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         Step::Taken
     }
 
+    /// On hosts, takes the values of axes that lie in one piece and are due.
+    #[inline(always)]
+    fn whole_values(&mut self, bytes: &mut &[u8]) -> Step {
+        if WIDE && self.state == VALUE && self.left & MASK_VELOCITY == 0 && self.place == self.groups() {
+            *bytes = self.vector.unpack(&mut self.left, bytes, self.start == b'*');
+            if self.left == 0 {
+                return self.vector_ends();
+            }
+        }
+        Step::Taken
+    }
+
     /// Packed bytes of an axis.
     const fn groups(&self) -> u8 {
         if self.start == b'*' { 1 } else { 4 }
@@ -329,6 +347,11 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             self.place = self.groups();
             return Step::Taken;
         }
+        self.vector_ends()
+    }
+
+    /// The end of something binary.
+    fn vector_ends(&mut self) -> Step {
         self.end(match self.start {
             b'*' => Kind::Step,
             b'=' => Kind::Position,

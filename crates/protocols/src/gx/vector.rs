@@ -2,7 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::packed::{POSITION_MIN, is_position};
+use super::packed::{HIGH, POSITION_MIN, is_position, push, signed7, signed28};
 
 /// The axes: x, y, z, a, b, c.
 pub const AXES: usize = 6;
@@ -68,6 +68,30 @@ impl Vector {
     pub const fn set_velocity(&mut self, velocity: u16) {
         self.velocity = velocity;
         self.mask |= MASK_VELOCITY;
+    }
+
+    /// Reads packed values of axes, of 4 bytes or of 1, as far as they lie in one piece. Clears their flags, and returns
+    /// what is behind them.
+    #[inline(always)]
+    pub(super) fn unpack<'a>(&mut self, flags: &mut u8, bytes: &'a [u8], is_short: bool) -> &'a [u8] {
+        let (mut rest, mut left) = (bytes, *flags);
+        while let Some(place) = self.axes.get_mut(left.trailing_zeros() as usize) {
+            if is_short {
+                let Some((&byte @ HIGH.., behind)) = rest.split_first() else { break };
+                *place = signed7(push(0, byte));
+                rest = behind;
+            } else {
+                let Some((&groups, behind)) = rest.split_first_chunk() else { break };
+                if u32::from_ne_bytes(groups) & 0x8080_8080 != 0x8080_8080 {
+                    break;
+                }
+                *place = signed28(groups.into_iter().fold(0, push));
+                rest = behind;
+            }
+            left &= left.wrapping_sub(1);
+        }
+        *flags = left;
+        rest
     }
 
     /// Makes it another's copy. Field by field, which never becomes a call of memcpy.

@@ -2,6 +2,8 @@
 //!
 //! Neither byte of a sum is ever 0: 255 stands for a residue of 0. So a sum is all that is needed to go on from.
 
+use crate::bytes::fletcher_words;
+
 /// The sum of no bytes.
 pub const EMPTY_SUM: u16 = 0xFFFF;
 
@@ -18,6 +20,7 @@ pub fn fletcher16(bytes: &[u8]) -> u16 {
 /// The checksum of the bytes that have the checksum `sum` and more behind them.
 #[must_use]
 pub fn fletcher16_more(sum: u16, bytes: &[u8]) -> u16 {
+    let (sum, bytes) = fletcher_words(sum, bytes);
     let [second, first] = sum.to_be_bytes();
     let (mut first, mut second) = (u16::from(first), u16::from(second));
     for block in bytes.chunks(BLOCK) {
@@ -73,7 +76,7 @@ mod tests {
     fn any_bytes_in_any_pieces_as_byte_by_byte() {
         let noise: Vec<u8> = (0..20_000_u32).map(|at| at.wrapping_mul(0x9E37_79B9).to_be_bytes()[0]).collect();
         for bytes in [noise, vec![0xFF; 20_000], vec![0xFE; 20_000], vec![1; 20_000]] {
-            for length in (0..300).chain([4095, 4096, 20_000]) {
+            for length in (0..300).chain([4095, 4096, 4097, 8192, 8193, 20_000]) {
                 assert_eq!(fletcher16(&bytes[..length]), plain(&bytes[..length]), "{length}");
                 let (head, tail) = bytes[..length].split_at(length / 3);
                 assert_eq!(fletcher16_more(fletcher16_more(EMPTY_SUM, head), tail), plain(&bytes[..length]));

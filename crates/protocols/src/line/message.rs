@@ -5,6 +5,7 @@
 
 use super::checksum::fletcher16;
 use super::value::{Value, hex};
+use crate::bytes::before_less;
 
 /// A line that can be read, seen where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,16 +40,6 @@ pub enum Malformed {
     LineFeed,
 }
 
-/// Where in a parameter a byte stands.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// In front of it.
-    Begin,
-    /// Behind an `s` that begins it.
-    Sum,
-    Other,
-}
-
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Param<'a> {
@@ -64,45 +55,35 @@ impl<'a> Message<'a> {
     /// # Errors
     ///
     /// When it can't be read: see [`Malformed`]. A wrong checksum is no such error: see [`checksum`](Self::checksum).
-    #[inline]
+    #[inline(never)]
     pub fn parse(line: &'a [u8]) -> Result<Self, Malformed> {
         let line = without_end(line);
         if !matches!(line, [b'c'] | [b'c', b'=' | b'&', ..]) {
             return Err(Malformed::Command);
         }
 
-        let (mut count, mut digits, mut place) = (0_usize, 0_u8, Place::Begin);
-        let mut sum_at = None;
-        for (at, byte) in line.iter().enumerate() {
-            if digits > 0 {
-                if !byte.is_ascii_hexdigit() {
-                    return Err(Malformed::Escape);
-                }
-                digits = digits.wrapping_sub(1);
-            }
-            if place == Place::Begin && *byte != b'&' {
+        let (mut count, mut sum_at) = (0_usize, None);
+        let (mut at, mut begins) = (0_usize, true);
+        while let Some(rest @ [first, ..]) = line.get(at..) {
+            if begins && *first != b'&' {
                 count = count.wrapping_add(1);
+                if matches!(rest, [b's'] | [b's', b'=', ..]) {
+                    sum_at = sum_at.or(Some(at.wrapping_sub(1)));
+                }
             }
-            place = match *byte {
-                b'&' => Place::Begin,
-                b's' if place == Place::Begin => Place::Sum,
-                b'=' if place == Place::Sum => {
-                    sum_at = sum_at.or(Some(at.wrapping_sub(2)));
-                    Place::Other
+            // All that matters is below that.
+            at = at.wrapping_add(before_less(rest, b'&' + 1));
+            begins = false;
+            at = at.wrapping_add(match line.get(at..) {
+                Some([b'&', ..]) => {
+                    begins = true;
+                    1
                 }
-                b'\n' => return Err(Malformed::LineFeed),
-                b'%' => {
-                    digits = 2;
-                    Place::Other
-                }
-                _ => Place::Other,
-            };
-        }
-        if digits > 0 {
-            return Err(Malformed::Escape);
-        }
-        if place == Place::Sum {
-            sum_at = sum_at.or(Some(line.len().wrapping_sub(2)));
+                Some([b'%', a, b, ..]) if a.is_ascii_hexdigit() && b.is_ascii_hexdigit() => 3,
+                Some([b'%', ..]) => return Err(Malformed::Escape),
+                Some([b'\n', ..]) => return Err(Malformed::LineFeed),
+                _ => 1,
+            });
         }
 
         let (summed, behind) = line.split_at_checked(sum_at.unwrap_or(line.len())).unwrap_or_default();
