@@ -40,7 +40,7 @@ mod record;
 pub mod recording;
 mod replay;
 mod run;
-mod screen;
+pub mod screen;
 mod send;
 mod signals;
 pub mod sim;
@@ -141,7 +141,7 @@ fn dispatch(command: &Command) -> Result<Status, Failure> {
 }
 
 /// Prints help where it was asked for; else says what is wrong with the command line, on one line.
-fn explain(error: &clap::Error) -> Result<Status, Failure> {
+pub fn explain(error: &clap::Error) -> Result<Status, Failure> {
     if !error.use_stderr() {
         error.print()?;
         return Ok(Status::Finished);

@@ -31,7 +31,8 @@ const RETRY: Duration = Duration::from_millis(200);
 /// or another program; and of those from a network, where a lost packet comes again after 200 ms at the soonest, or a
 /// pipe, which may come from one.
 pub const GAP_DIRECT: Duration = Duration::from_millis(50);
-pub(crate) const GAP_USB: Duration = Duration::from_millis(250);
+/// See above.
+pub const GAP_USB: Duration = Duration::from_millis(250);
 pub(crate) const GAP_NETWORK: Duration = Duration::from_secs(1);
 
 /// How a port is opened.

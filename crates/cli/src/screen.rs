@@ -113,7 +113,7 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// A line on standard error. If that is closed, nobody wants to know.
-pub(crate) fn complain(text: &str) {
+pub fn complain(text: &str) {
     let _ = writeln!(io::stderr(), "deltarobot: {}", printable(text));
 }
 

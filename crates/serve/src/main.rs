@@ -1,2 +1,7 @@
-//! The program `deltarobot-serve`.
-fn main() {}
+//! The program `deltarobot-serve`, which `deltarobot serve` runs.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    deltarobot_serve::main()
+}

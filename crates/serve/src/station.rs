@@ -20,7 +20,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
 struct Files;
 
 /// Answers requests for the page and its files.
-pub fn router() -> Router {
+pub(crate) fn router() -> Router {
     Router::new().fallback(get(file)).layer(CompressionLayer::new())
 }
 

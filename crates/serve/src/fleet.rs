@@ -1,0 +1,53 @@
+//! All robots.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
+
+use tokio::sync::broadcast;
+
+use crate::problem::{Kind, Problem};
+use crate::robot::{All, KEPT_OF_ALL, Robot, Settings, start};
+
+/// How long the end of the program waits for the threads, which take less unless one is connecting.
+const END_TIME: Duration = Duration::from_secs(5);
+
+/// The robots by their names.
+#[derive(Debug)]
+pub(crate) struct Fleet {
+    /// By their names.
+    pub(crate) robots: BTreeMap<Arc<str>, Arc<Robot>>,
+    /// Events of all of them.
+    pub(crate) all: All,
+    /// Disconnected when all threads have ended.
+    ended: std::sync::Mutex<mpsc::Receiver<()>>,
+}
+
+impl Fleet {
+    /// Begins with all of them.
+    pub(crate) fn start(robots: Vec<Settings>) -> io::Result<Self> {
+        let all = All { events: broadcast::Sender::new(KEPT_OF_ALL), messages: broadcast::Sender::new(KEPT_OF_ALL) };
+        let (ending, ended) = mpsc::channel();
+        let robots = robots
+            .into_iter()
+            .map(|settings| {
+                let robot = start(settings, all.clone(), ending.clone())?;
+                Ok((Arc::clone(robot.name()), robot))
+            })
+            .collect::<io::Result<_>>()?;
+        Ok(Self { robots, all, ended: ended.into() })
+    }
+
+    /// A robot.
+    pub(crate) fn robot(&self, name: &str) -> Result<&Arc<Robot>, Problem> {
+        self.robots.get(name).ok_or_else(|| Problem::new(Kind::NotFound, format!("there is no robot named {name}")))
+    }
+
+    /// Has all robots stand, and gives up their ports.
+    pub(crate) fn end(&self) {
+        self.robots.values().for_each(|robot| robot.end());
+        // Disconnected, or too late.
+        let _ = crate::locked(&self.ended).recv_timeout(END_TIME);
+    }
+}
