@@ -84,7 +84,7 @@ SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
 endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
-    install-serve uninstall-serve demo demo-line demo-gx \
+    install-serve uninstall-serve load faults demo demo-line demo-gx \
     wheel bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
@@ -275,6 +275,14 @@ bench: lib ## measures the library beside a model of the original
 
 coverage: ## prints how much of the code the tests run; needs llvm's tools
 	$(Q)env $(ALL_SIZES:%=-u %) c_tests/coverage.sh target/coverage 95
+
+load: serve ## measures what serving takes; ROBOTS, WATCHERS, STALLED and SECONDS say how much
+	+$(Q)env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) bench $(QUIET) -p deltarobot-serve --bench load --profile release \
+	    --target-dir $(CLI_DIR) -- $(abspath $(OUT))/deltarobot-serve
+
+faults: ## has what goes wrong with robots and connections happen 20 times in a row
+	$(Q)DP_ROUNDS=20 $(CARGO) test $(QUIET) -p deltarobot-serve --test serve faults
+	@echo "faults: passed"
 
 mutants: ## changes MUTANTS places of the code, one at a time, and tells which the tests miss; needs cargo-mutants
 	$(Q)env $(ALL_SIZES:%=-u %) MAKEFLAGS= MFLAGS= c_tests/mutants.sh $(MUTANTS) $(SEED) target/mutants

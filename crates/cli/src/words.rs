@@ -39,7 +39,7 @@ pub fn report_json(report: &Report) -> Value {
 }
 
 /// Three numbers, or null where none is known.
-fn position_json(position: Position) -> Value {
+pub fn position_json(position: Position) -> Value {
     if position.is_finite() { Value::from(position.0.map(number).to_vec()) } else { Value::Null }
 }
 

@@ -3,6 +3,7 @@
 mod compute;
 mod motion;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use axum::body::{Body, Bytes, to_bytes};
@@ -16,7 +17,6 @@ use axum::routing::{any, get, post, put};
 use axum::{Extension, Json, Router};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::json;
 
 use crate::fleet::Fleet;
 use crate::geometry::Geometry;
@@ -70,7 +70,7 @@ pub(crate) fn router(app: App) -> Router {
 
 async fn robots(State(app): State<App>) -> Response {
     let states: Vec<_> = app.fleet.robots.values().map(|robot| robot.snapshot()).collect();
-    Json(json!({ "robots": states })).into_response()
+    Json(BTreeMap::from([("robots", states)])).into_response()
 }
 
 async fn robot(State(app): State<App>, name: Name) -> Result<Response, Problem> {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use deltarobot_cli::decoder::deltarobot::Frames;
 use deltarobot_cli::decoder::{Decoder, Kind};
 use deltarobot_cli::recording::{Entry, Side};
+use deltarobot_protocols::deltarobot::Opcode;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::net::{TcpListener, TcpStream};
@@ -113,7 +114,7 @@ impl Client {
     /// Cancelling is open to everybody.
     async fn look_for_cancel(&mut self, bytes: &[u8]) {
         let pieces = self.listened.feed(Some(Side::Host), bytes);
-        if pieces.iter().any(|piece| matches!(&piece.kind, Kind::Message(name) if name == "CANCEL")) {
+        if pieces.iter().any(|piece| matches!(&piece.kind, Kind::Message(name) if name == Opcode::CANCEL.name())) {
             // The port may be closed.
             let _ = self.robot.cancel().await;
         }

@@ -26,7 +26,7 @@ pub struct ControllerOptions {
     layout: Option<Kind>,
     /// Displacement of the fastest arm in a second; 50 by default
     #[arg(long, value_name = "UNITS", value_parser = above_zero)]
-    speed: Option<f64>,
+    pub speed: Option<f64>,
     /// Sends neither ACK nor NACK
     #[arg(long)]
     no_ack: bool,

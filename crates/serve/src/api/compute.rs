@@ -1,5 +1,6 @@
 //! What needs no robot: kinematics, and recordings.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use axum::Json;
@@ -9,6 +10,7 @@ use deltarobot_cli::decoder::deltarobot::Frames;
 use deltarobot_cli::decoder::{Decoder, Piece};
 use deltarobot_cli::port::GAP_USB;
 use deltarobot_cli::recording::{Parser, Side};
+use deltarobot_cli::words::position_json;
 use deltarobot_protocols::deltarobot::{FRAME_HEAD, Frame, Layout, Message, Opcode, SeenLayout};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -16,7 +18,7 @@ use serde_json::{Value, json};
 use super::{bytes, parse};
 use crate::geometry::Geometry;
 use crate::problem::{Kind, Problem};
-use crate::state::{Doing, displacements, end_stops};
+use crate::state::{Doing, end_stops};
 
 /// Bytes of a batch, and of a recording.
 const BATCH_MAX: usize = 1 << 20;
@@ -44,13 +46,13 @@ pub(crate) struct InverseRequest {
 pub(super) async fn forward(request: Request) -> Result<Response, Problem> {
     let asked: ForwardRequest = parse(&bytes(request.into_body(), BATCH_MAX).await?)?;
     let poses = batch(&asked.geometry, &asked.displacements, Geometry::pose)?;
-    Ok(Json(json!({ "poses": poses })).into_response())
+    Ok(Json(BTreeMap::from([("poses", poses)])).into_response())
 }
 
 pub(super) async fn inverse(request: Request) -> Result<Response, Problem> {
     let asked: InverseRequest = parse(&bytes(request.into_body(), BATCH_MAX).await?)?;
     let displacements = batch(&asked.geometry, &asked.poses, Geometry::displacements)?;
-    Ok(Json(json!({ "displacements": displacements })).into_response())
+    Ok(Json(BTreeMap::from([("displacements", displacements)])).into_response())
 }
 
 type Place = [f32; 3];
@@ -143,7 +145,7 @@ impl Story {
         match Message::read_after(frame.opcode, frame.payload, Layout::Auto, &mut self.layout)? {
             Message::StatusReport(report) => Some(json!({
                 "type": "state", "at": at, "state": Doing::of(report.state()),
-                "position_known": report.position.is_known(), "displacements": displacements(&report),
+                "position_known": report.position.is_known(), "displacements": position_json(report.position),
                 "end_stops": end_stops(&report),
             })),
             _ => None,
