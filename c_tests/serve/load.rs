@@ -124,7 +124,9 @@ impl Load {
         );
         child.kill().unwrap();
         child.wait().unwrap();
-        threads.into_iter().for_each(|thread| thread.join().unwrap());
+        for thread in threads {
+            thread.join().unwrap();
+        }
     }
 
     /// Cancels the last robot again and again. Returns how long that took, in microseconds.
@@ -287,7 +289,7 @@ fn watch(
 ) -> (Vec<u32>, usize) {
     let mut socket = connect(address, number);
     started.wait();
-    let (mut times, mut lost, mut last) = (Vec::new(), 0, None);
+    let (mut times, mut lost, mut newest) = (Vec::new(), 0, None);
     while !is_over.load(Relaxed) {
         let Ok(message) = socket.read() else { break };
         let now = nanoseconds(began);
@@ -296,15 +298,15 @@ fn watch(
             continue;
         };
         let count: u64 = at.parse().unwrap();
-        match last {
-            Some(last) if count <= last => continue,
-            Some(last) => {
-                lost += (count - last - 1) as usize;
+        match newest {
+            Some(newest) if count <= newest => continue,
+            Some(newest) => {
+                lost += (count - newest - 1) as usize;
                 times.push(((now - robot.sent[count as usize].load(Relaxed)) / 1000) as u32);
             }
             None => (),
         }
-        last = Some(count);
+        newest = Some(count);
     }
     (times, lost)
 }

@@ -60,12 +60,12 @@ fn other_machines_need_a_token() {
 #[test]
 fn whatever_is_sent_others_are_served() {
     let server = Server::start(&["--sim", "1"]);
-    let long = [b"GET /".as_slice(), &[b'x'; 100_000], b" HTTP/1.1\r\n\r\n"].concat();
+    let long = [b"GET /".as_slice(), &vec![b'x'; 100_000], b" HTTP/1.1\r\n\r\n"].concat();
     let deep = [
         b"POST /api/robots/sim1/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
         Content-Length: 60000\r\n\r\n"
             .as_slice(),
-        &[b'['; 60_000],
+        &vec![b'['; 60_000],
     ]
     .concat();
     for bytes in [

@@ -61,16 +61,15 @@ fn a_slow_watcher_loses_the_oldest_and_is_told_how_many() {
     let (mut seen, mut dropped) = (0, 0);
     loop {
         let event = slow.event();
-        match event["type"].as_str().unwrap() {
-            "dropped" => dropped += event["count"].as_u64().unwrap(),
-            _ => {
-                seen += 1;
-                // What is not seen was told of, and after that the newest are seen.
-                assert_eq!(event["seq"].as_u64().unwrap(), first + seen + dropped);
-                if dropped > 0 && seen + dropped > 10_000 {
-                    break;
-                }
-            }
+        if event["type"] == "dropped" {
+            dropped += event["count"].as_u64().unwrap();
+            continue;
+        }
+        seen += 1;
+        // What is not seen was told of, and after that the newest are seen.
+        assert_eq!(event["seq"].as_u64().unwrap(), first + seen + dropped);
+        if dropped > 0 && seen + dropped > 10_000 {
+            break;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What can be asked over HTTP: openapi.json describes it.
 
-mod compute;
-mod motion;
+pub(crate) mod compute;
+pub(crate) mod motion;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -15,6 +15,8 @@ mod config;
 mod event;
 mod fleet;
 mod geometry;
+#[cfg(test)]
+mod hostile;
 mod http;
 mod lease;
 mod problem;

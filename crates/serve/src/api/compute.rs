@@ -43,10 +43,16 @@ pub(crate) struct InverseRequest {
     poses: Vec<[f32; 3]>,
 }
 
+impl ForwardRequest {
+    /// Where the platform is at these.
+    pub(crate) fn poses(&self) -> Result<Vec<Option<Place>>, Problem> {
+        batch(&self.geometry, &self.displacements, Geometry::pose)
+    }
+}
+
 pub(super) async fn forward(request: Request) -> Result<Response, Problem> {
     let asked: ForwardRequest = parse(&bytes(request.into_body(), BATCH_MAX).await?)?;
-    let poses = batch(&asked.geometry, &asked.displacements, Geometry::pose)?;
-    Ok(Json(BTreeMap::from([("poses", poses)])).into_response())
+    Ok(Json(BTreeMap::from([("poses", asked.poses()?)])).into_response())
 }
 
 pub(super) async fn inverse(request: Request) -> Result<Response, Problem> {
