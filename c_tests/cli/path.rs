@@ -89,7 +89,19 @@ fn a_circle_in_each_format_is_traced() {
         assert!((is - wanted).abs() < 1e-5, "{pose}");
     }
     let said = printed(&["status", &sim.device, "--geometry", &geometry], FINISHED);
-    assert!(said.ends_with("  x=0.28000 y=0.44000 z=0.25000\n"), "{said}");
+    assert!(said.ends_with("  x=0.28 y=0.44 z=0.25\n"), "{said}");
+}
+
+#[test]
+fn a_move_by_the_platforms_position() {
+    let (sim, geometry) = (fast(), geometry());
+    let by = |numbers: [&'static str; 3]| {
+        [&["move", "--position"], &numbers[..], &["--geometry", &geometry, &sim.device]].concat()
+    };
+    let said = printed(&by(["0.25", "0.4", "0.25"]), FINISHED);
+    assert!(said.contains("DA=227.229 ") && said.ends_with("  x=0.25 y=0.4 z=0.25\n"), "{said}");
+    complains(&by(["0.25", "0.9", "0.25"]), USAGE, "unreachable: DA would have to be ");
+    complains(&["move", "--position", "0.25", "0.4", "0.25", &sim.device], USAGE, "--geometry <FILE>");
 }
 
 #[test]
@@ -159,7 +171,11 @@ fn what_is_wrong_with_a_file_is_told_with_its_line() {
         "/nonexistent.csv: No such file",
     );
     complains(&["path", &points, "--geometry", &geometry], USAGE, "a <PORT> is needed");
-    complains(&["path", &points, "--geometry", &geometry, "--check", "--tolerance", "0"], USAGE, "above zero");
+    complains(
+        &["path", &points, "--geometry", &geometry, "--check", "--tolerance", "0"],
+        USAGE,
+        "must be at least 0.00001",
+    );
     complains(
         &["path", &points, "--geometry", &geometry, "--check", "--up", "-2", "0", "0"],
         USAGE,

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use deltarobot_protocols::deltarobot::Position;
 
+use crate::path::Machine;
 use crate::path::command::read_machine;
 use crate::port::PortOptions;
 use crate::signals::Signals;
@@ -33,11 +34,18 @@ pub(crate) struct Plain {
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct StatusQuery {
+    #[command(flatten)]
+    known: Known,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What is known of the machine.
+#[derive(Debug, clap::Args)]
+struct Known {
     /// Says where the platform is, too, by the machine's geometry: a file like examples/geometry.toml
     #[arg(long, value_name = "FILE")]
     geometry: Option<PathBuf>,
-    #[command(flatten)]
-    common: Common,
 }
 
 #[derive(Debug, clap::Args)]
@@ -49,6 +57,11 @@ pub(crate) struct Move {
     b: f32,
     /// Displacement of arm C
     c: f32,
+    /// A, B and C are instead where the platform shall be: x, y and z in metres, by --geometry
+    #[arg(long, requires = "geometry")]
+    position: bool,
+    #[command(flatten)]
+    known: Known,
     #[command(flatten)]
     operation: Operation,
     #[command(flatten)]
@@ -90,6 +103,12 @@ pub(crate) struct SessionOptions {
     pub(crate) port: PortOptions,
 }
 
+impl Known {
+    fn machine(&self) -> Result<Option<Machine>, Failure> {
+        self.geometry.as_deref().map(read_machine).transpose()
+    }
+}
+
 impl Common {
     /// (Not by clap, for which a variable is as good as an option, and would be at odds with the argument.)
     pub(crate) fn port(&self) -> Result<PathBuf, Failure> {
@@ -100,34 +119,34 @@ impl Common {
 }
 
 pub(crate) fn home(arguments: &Home) -> Result<Status, Failure> {
-    request(&arguments.common, arguments.operation.no_wait, Request::Home)
+    request(&arguments.common, arguments.operation.no_wait, Request::Home, None)
 }
 
 pub(crate) fn move_to(arguments: &Move) -> Result<Status, Failure> {
-    let target = Position([arguments.a, arguments.b, arguments.c].map(f32::to_bits));
-    if !target.is_finite() {
+    let machine = arguments.known.machine()?;
+    let mut numbers = [arguments.a, arguments.b, arguments.c];
+    if !numbers.iter().all(|number| number.is_finite()) {
         return Err(Failure::Usage("a displacement must be a finite number".into()));
     }
-    request(&arguments.common, arguments.operation.no_wait, Request::Move(target))
+    if let (true, Some(machine)) = (arguments.position, &machine) {
+        let displacements = machine.displacements(numbers.map(f64::from));
+        numbers = displacements.map_err(|reason| Failure::Usage(format!("unreachable: {reason}")))?;
+    }
+    let target = Position(numbers.map(f32::to_bits));
+    request(&arguments.common, arguments.operation.no_wait, Request::Move(target), machine)
 }
 
 pub(crate) fn status(arguments: &StatusQuery) -> Result<Status, Failure> {
-    let mut reporter = Reporter::new(arguments.common.json);
-    if let Some(path) = &arguments.geometry {
-        reporter.know(read_machine(path)?);
-    }
-    report(&arguments.common, false, Request::Status, reporter)
+    request(&arguments.common, false, Request::Status, arguments.known.machine()?)
 }
 
 pub(crate) fn cancel(arguments: &Plain) -> Result<Status, Failure> {
-    request(&arguments.common, false, Request::Cancel)
+    request(&arguments.common, false, Request::Cancel, None)
 }
 
-fn request(common: &Common, no_wait: bool, request: Request) -> Result<Status, Failure> {
-    report(common, no_wait, request, Reporter::new(common.json))
-}
-
-fn report(common: &Common, no_wait: bool, request: Request, mut reporter: Reporter) -> Result<Status, Failure> {
+fn request(common: &Common, no_wait: bool, request: Request, machine: Option<Machine>) -> Result<Status, Failure> {
+    let mut reporter = Reporter::new(common.json);
+    reporter.know(machine);
     let result = perform(common, no_wait, request, &mut reporter);
     if let Err(failure) = &result {
         reporter.failed(request.name(), failure);

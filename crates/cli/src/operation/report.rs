@@ -35,12 +35,14 @@ impl Reporter {
     }
 
     /// From now on the platform's pose is said too, where it is known.
-    pub(crate) fn know(&mut self, machine: Machine) {
-        self.machine = Some(machine);
+    pub(crate) fn know(&mut self, machine: Option<Machine>) {
+        self.machine = machine;
     }
 
+    /// To the nearest hundredth of a millimetre, if the geometry is in metres.
     fn pose(&self, report: &Report) -> Option<[f64; 3]> {
-        self.machine.as_ref()?.pose(report.position.0.map(f32::from_bits))
+        let pose = self.machine.as_ref()?.pose(report.position.0.map(f32::from_bits))?;
+        Some(pose.map(|number| (number * 1e5).round() / 1e5))
     }
 
     /// Another request begins.
@@ -123,7 +125,7 @@ impl Reporter {
             self.conclude_json(value);
         } else {
             let report = report.map(|report| {
-                let pose = self.pose(&report).map(|[x, y, z]| format!("  x={x:.5} y={y:.5} z={z:.5}"));
+                let pose = self.pose(&report).map(|[x, y, z]| format!("  x={x} y={y} z={z}"));
                 words::report(&report) + &pose.unwrap_or_default()
             });
             let line = match (request, end, report) {

@@ -59,6 +59,9 @@ impl Plane {
     }
 }
 
+/// The least tolerance. Below that, the floats that the robot is sent begin to count.
+const TOLERANCE_MIN: f64 = 1e-5;
+
 /// How a file becomes a path in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
@@ -69,14 +72,14 @@ pub struct Placement {
 
 impl Placement {
     /// The path keeps to what the file has to within `tolerance`, and travels `lift` above the plane, where the file does
-    /// not say how; both in the unit of the machine's geometry.
+    /// not say how; both in metres, the unit of the machine's geometry.
     ///
     /// # Errors
     ///
-    /// A tolerance that is not above zero, a lift below zero, and numbers that are not finite.
+    /// A tolerance below a hundredth of a millimetre, a lift below zero, and numbers that are not finite.
     pub fn new(plane: Plane, tolerance: f64, lift: f64) -> Result<Self, String> {
-        if !(tolerance.is_finite() && tolerance > 0.0) {
-            return Err("the tolerance must be above zero".into());
+        if !(tolerance.is_finite() && tolerance >= TOLERANCE_MIN) {
+            return Err(format!("the tolerance must be at least {TOLERANCE_MIN}"));
         }
         if !(lift.is_finite() && lift >= 0.0) {
             return Err("the lift can't be below zero".into());

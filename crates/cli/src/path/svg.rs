@@ -78,11 +78,16 @@ fn is_svg(node: &Node) -> bool {
 }
 
 fn is_shown(node: &Node) -> bool {
-    let style = node.attribute("style").unwrap_or_default();
     is_svg(node)
         && !SILENT.contains(&node.tag_name().name())
         && node.attribute("display") != Some("none")
-        && !style.split(';').any(|it| it.split(':').map(str::trim).eq(["display", "none"]))
+        && styled(node, "display") != Some("none")
+}
+
+/// What the attribute `style` says of a property.
+fn styled<'a>(node: &Node<'a, '_>, name: &str) -> Option<&'a str> {
+    let mut properties = node.attribute("style")?.split(';').filter_map(|property| property.split_once(':'));
+    properties.find_map(|(property, value)| (property.trim() == name).then_some(value.trim()))
 }
 
 /// The outline of an element; `None` of one that only has others in it.
@@ -121,7 +126,7 @@ fn shape(node: &Node, tolerance: f64) -> Result<Option<Vec<PathEl>>, String> {
 }
 
 fn transform(node: &Node) -> Result<Affine, String> {
-    if node.attribute("style").is_some_and(|style| style.contains("transform")) {
+    if styled(node, "transform").is_some() {
         return Err("a transform in a style is not supported: make it an attribute".into());
     }
     let mut list = TransformListParser::from(node.attribute("transform").unwrap_or_default());
