@@ -10,7 +10,7 @@
 //! [arms.A]                  # leg 1
 //! scale = 0.001             # metres that its leg gets longer by a unit of displacement
 //! offset = 0.2              # how long its leg is at displacement 0
-//! min = 0                   # the least and the largest displacement
+//! min = 0                   # the least and the largest displacement; -inf and inf where there is none
 //! max = 600
 //! # [arms.B] for leg 2 and [arms.C] for leg 3 have the same
 //! ```
@@ -158,6 +158,24 @@ impl Serialize for Reason {
 }
 
 impl Machine {
+    /// A machine with these joints on the base, edge B1B3, distance of B2 from the plane of legs 1 and 3, and arms.
+    ///
+    /// # Errors
+    ///
+    /// Numbers that make no machine.
+    pub fn new(joints: [[f32; 3]; 3], edge: f32, offset: f32, arms: Arms) -> Result<Self, &'static str> {
+        let is_fine = |number: &f32| number.abs() < 1e6;
+        if !(joints.iter().flatten().all(is_fine) && [edge, offset].iter().all(|it| is_fine(it) && *it >= 0.0)) {
+            return Err("coordinates must be below a million, and lengths not below zero");
+        }
+        let [a1, a2, a3] = joints;
+        let machine = Self { a1, a2, a3, edge, offset, arms };
+        let [a1, a2, a3] = joints.map(|joint| joint.map(f64::from));
+        let area = norm(cross(sub(a2, a1), sub(a3, a1)));
+        // Nearly in line, the platform turns nearly as it likes.
+        if area > 1e-6 * machine.size() * machine.size() { Ok(machine) } else { Err("A1, A2 and A3 lie in line") }
+    }
+
     /// Reads a file in TOML.
     ///
     /// # Errors
@@ -209,6 +227,19 @@ impl Machine {
 }
 
 impl Arm {
+    /// An arm whose leg is `offset + scale * displacement` long; displacements are from `min` to `max`, which may be
+    /// infinite.
+    ///
+    /// # Errors
+    ///
+    /// Numbers that make no arm.
+    pub fn new(scale: f64, offset: f64, min: f64, max: f64) -> Result<Self, &'static str> {
+        if !(scale.abs() >= 1e-9 && scale.abs() < 1e9 && offset.abs() < 1e9) {
+            return Err("an arm's scale must not be 0, and its numbers must be below a billion");
+        }
+        if min < max { Ok(Self { scale, offset, min, max }) } else { Err("an arm's min must be less than its max") }
+    }
+
     fn displacement(&self, arm: char, length: f32) -> Result<f32, Reason> {
         let displacement = (f64::from(length) - self.offset) / self.scale;
         if (self.min..=self.max).contains(&displacement) {
@@ -244,11 +275,7 @@ impl TryFrom<File> for Machine {
 
     fn try_from(file: File) -> Result<Self, Self::Error> {
         let File { a1, a2, a3, edge, offset, arms } = file;
-        let machine = Self { a1, a2, a3, edge, offset, arms };
-        let [a1, a2, a3] = [a1, a2, a3].map(|joint| joint.map(f64::from));
-        let area = norm(cross(sub(a2, a1), sub(a3, a1)));
-        // Nearly in line, the platform turns nearly as it likes.
-        if area > 1e-6 * machine.size() * machine.size() { Ok(machine) } else { Err("A1, A2 and A3 lie in line") }
+        Self::new([a1, a2, a3], edge, offset, arms)
     }
 }
 
@@ -257,13 +284,7 @@ impl TryFrom<ArmFile> for Arm {
 
     fn try_from(file: ArmFile) -> Result<Self, Self::Error> {
         let ArmFile { scale, offset, min, max } = file;
-        if ![scale, offset, min, max].iter().all(|number| number.abs() < 1e9) || scale.abs() < 1e-9 {
-            return Err("an arm's scale must not be 0, and its numbers must be below a billion");
-        }
-        if min >= max {
-            return Err("an arm's min must be less than its max");
-        }
-        Ok(Self { scale, offset, min, max })
+        Self::new(scale, offset, min, max)
     }
 }
 

@@ -9,6 +9,8 @@ use super::{Error, Machine, POINTS_MAX, Reason, Waypoint};
 const FINENESS: f64 = 100.0;
 /// The most poses that are looked at.
 const LOOKS_MAX: u32 = 2_000_000;
+/// The most parts that are unreachable, each for a reason of its own.
+const PARTS_MAX: usize = 10_000;
 /// How often a motion is halved, at most, until it is straight enough.
 const HALVINGS: u32 = 16;
 
@@ -94,6 +96,9 @@ impl Planner<'_> {
         let parts = (length / self.machine.size() * FINENESS).ceil().max(1.0);
         if f64::from(self.looks) + parts > f64::from(LOOKS_MAX) {
             return Err(Error::at(to.line, "the path is too long for a machine of this size"));
+        }
+        if self.plan.unreachable.len() > PARTS_MAX {
+            return Err(Error::at(to.line, format!("more than {PARTS_MAX} parts of the path are unreachable")));
         }
         let mut is_straight = start.is_some();
         let parts_before_the_last = (1_u32..).map(f64::from).take_while(|number| *number < parts);
@@ -219,6 +224,13 @@ mod tests {
         assert_eq!(error.to_string(), "line 2: the path is too long for a machine of this size");
         let far = plan(&points(&[[0.2, 0.6, 0.25], [1e99, 0.0, 0.0]]), &example(), 1e-4);
         assert!(far.is_err());
+    }
+
+    #[test]
+    fn a_path_that_comes_and_goes_without_end_is_refused() {
+        let places = [[0.25, 0.4, 0.25], [0.25, -0.1, 0.25]].repeat(super::PARTS_MAX);
+        let error = plan(&points(&places), &example(), 1e-3).unwrap_err().to_string();
+        assert!(error.ends_with(": more than 10000 parts of the path are unreachable"), "{error}");
     }
 
     proptest! {

@@ -74,6 +74,16 @@ fn text_without_comments() -> String {
 }
 
 #[test]
+fn limits_may_be_none() {
+    let text = EXAMPLE.replace("max = 600", "max = inf").replace("min = 0 ", "min = -inf ");
+    let machine = Machine::read(&text).unwrap();
+    let [a, b, c] = machine.displacements([0.25, 0.9, 0.25]).unwrap();
+    assert!(a > 700.0 && b > 600.0 && c > 700.0, "{a} {b} {c}");
+    let nan = EXAMPLE.replacen("max = 600", "max = nan", 1);
+    assert!(Machine::read(&nan).unwrap_err().to_string().contains("an arm's min must be less than its max"));
+}
+
+#[test]
 fn it_is_written_as_it_is_read() {
     let machine = example();
     let json = serde_json::to_string(&machine).unwrap();
