@@ -48,8 +48,12 @@ use super::memory::{bytes_of, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
+use deltarobot_protocols::gx::host::{self, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
+
+mod event;
+
+use event::write_event;
 
 /// Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each,
 /// in the order of the requests.
@@ -437,53 +441,3 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
     }
     Some(vector)
 }
-
-/// # Safety
-///
-/// to points to writable memory of its type.
-unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
-    let (mut outcome, mut code, mut number) = (0, 0, None);
-    let kind = match happened {
-        None => 0,
-        Some(Event::Ended(how, why)) => {
-            (outcome, code) = (*how as c_int, *why);
-            GX_HOST_ENDED
-        }
-        Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
-            // SAFETY: the same contract.
-            unsafe { (*to).position.set(position) };
-            match event {
-                Event::Report(_) => GX_HOST_REPORT,
-                Event::Drift(_) => GX_HOST_DRIFT,
-                _ => GX_HOST_STOPPED,
-            }
-        }
-        Some(Event::Error(why, of)) => {
-            (code, number) = (*why, *of);
-            GX_HOST_ERROR
-        }
-        Some(Event::Begun) => GX_HOST_BEGUN,
-        Some(Event::Status(status)) => {
-            (code, number) = (status.is_held.into(), Some(status.free.into()));
-            GX_HOST_STATUS
-        }
-        Some(Event::Unanswered(control)) => {
-            code = *control as u8;
-            GX_HOST_UNANSWERED
-        }
-    };
-    // SAFETY: the same contract.
-    unsafe {
-        (*to).kind = kind;
-        (*to).outcome = outcome;
-        (*to).code = code.into();
-        (*to).number = number.map_or(-1, |number| int(number.into()));
-    }
-}
-
-const _: () = {
-    assert!(GX_HOST_FINISHED == Outcome::Finished as c_int && GX_HOST_REFUSED == Outcome::Refused as c_int);
-    assert!(GX_HOST_FAILED == Outcome::Failed as c_int && GX_HOST_DROPPED == Outcome::Dropped as c_int);
-    assert!(GX_HOST_TIMED_OUT == Outcome::TimedOut as c_int && GX_HOST_LOST == Outcome::Lost as c_int);
-    assert!(GX_HOST_DEVIATED == Outcome::Deviated as c_int);
-};

@@ -17,10 +17,12 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::message::{Fault, Format, Kind, Number, Numbered};
-use super::packed::{CODE_MAX, HIGH, NUMBER_MAX, halves, low, push, signed7, signed28, unsigned14};
-use super::vector::{MASK_AXES, MASK_VELOCITY, Vector};
+use super::packed::{HIGH, NUMBER_MAX, halves, low};
+use super::vector::{MASK_VELOCITY, Vector};
 use crate::bytes::WIDE;
 
+mod binary;
+mod number;
 mod text;
 
 use text::{is_end, word};
@@ -252,114 +254,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         Step::Taken
     }
 
-    /// A byte of a number.
-    fn number_byte(&mut self, byte: u8) -> Step {
-        let state = self.state;
-        if byte >= HIGH && state != NUMBER_DIGITS {
-            self.value = push(self.value, byte);
-            self.state = NUMBER_PACKED;
-            if state == NUMBER_PACKED {
-                self.number = Numbered::new(unsigned14(self.value), Format::Binary);
-                self.state = NUMBERED;
-            }
-            return Step::Taken;
-        }
-        if byte.is_ascii_digit() && state != NUMBER_PACKED {
-            return self.digit(byte, NUMBER_DIGITS);
-        }
-        match self.decimal(NUMBER_MAX) {
-            Some(number) if state == NUMBER_DIGITS => {
-                self.number = Numbered::new(number, Format::Ascii);
-                self.state = NUMBERED;
-                self.behind_number(byte)
-            }
-            _ => self.refuse(byte, Fault::Number, state == NUMBER_PACKED),
-        }
-    }
-
-    fn behind_number(&mut self, byte: u8) -> Step {
-        let is_packed = self.number.format() == Format::Binary;
-        match byte {
-            b' ' if !NOTICES => Step::Taken,
-            b'#' if !NOTICES => self.refuse(byte, Fault::Interrupted, is_packed),
-            b'\r' | b'\n' if !NOTICES => self.refuse(byte, Fault::Empty, false),
-            _ if !NOTICES => self.begin(byte),
-            b'?' => self.begin(byte),
-            b'\r' | b'\n' => self.end(Kind::Completed),
-            _ if is_packed => {
-                self.state = IDLE;
-                Step::Before(Kind::Completed)
-            }
-            _ => self.refuse(byte, Fault::Syntax, false),
-        }
-    }
-
-    fn mask(&mut self, byte: u8) -> Step {
-        let mask = byte & !HIGH;
-        if mask == 0 {
-            return self.refuse(byte, Fault::Empty, true);
-        }
-        self.vector.mask = mask;
-        self.left = mask;
-        self.place = if mask & MASK_VELOCITY != 0 { 2 } else { self.groups() };
-        self.state = VALUE;
-        Step::Taken
-    }
-
-    /// On hosts, takes the values of axes that lie in one piece and are due.
-    #[inline(always)]
-    fn whole_values(&mut self, bytes: &mut &[u8]) -> Step {
-        if WIDE && self.state == VALUE && self.left & MASK_VELOCITY == 0 && self.place == self.groups() {
-            *bytes = self.vector.unpack(&mut self.left, bytes, self.start == b'*');
-            if self.left == 0 {
-                return self.vector_ends();
-            }
-        }
-        Step::Taken
-    }
-
-    /// Packed bytes of an axis.
-    const fn groups(&self) -> u8 {
-        if self.start == b'*' { 1 } else { 4 }
-    }
-
-    /// A byte of a packed value.
-    #[inline]
-    fn packed(&mut self, byte: u8) -> Step {
-        self.value = push(self.value, byte);
-        self.place = self.place.wrapping_sub(1) & 3;
-        if self.place == 0 { self.value_ends() } else { Step::Taken }
-    }
-
-    fn value_ends(&mut self) -> Step {
-        if self.left & MASK_VELOCITY != 0 {
-            self.left &= MASK_AXES;
-            self.vector.velocity = unsigned14(self.value);
-        } else {
-            let axis = self.left.trailing_zeros();
-            let value = if self.start == b'*' { signed7(self.value) } else { signed28(self.value) };
-            self.left &= self.left.wrapping_sub(1);
-            if let Some(place) = self.vector.axes.get_mut(axis as usize) {
-                *place = value;
-            }
-        }
-        if self.left != 0 {
-            self.place = self.groups();
-            return Step::Taken;
-        }
-        self.vector_ends()
-    }
-
-    /// The end of something binary.
-    fn vector_ends(&mut self) -> Step {
-        self.end(match self.start {
-            b'*' => Kind::Step,
-            b'=' => Kind::Position,
-            b'~' => Kind::Reporting,
-            _ => Kind::Move,
-        })
-    }
-
     /// A byte behind `=`.
     fn report(&mut self, byte: u8) -> Step {
         match byte {
@@ -371,35 +265,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             b'\r' | b'\n' => self.refuse(byte, Fault::Empty, false),
             HIGH.. => self.refuse(byte, Fault::Syntax, true),
             _ => self.first_word(byte),
-        }
-    }
-
-    /// A byte of a code, or of two of them in one.
-    fn code_byte(&mut self, byte: u8) -> Step {
-        let state = self.state;
-        let is_long = self.place != b'?';
-        let kind = match self.place {
-            b'?' => Kind::Refused,
-            b'&' => Kind::Confirmed,
-            _ if NOTICES => Kind::Status,
-            _ => Kind::Control,
-        };
-        let most = if is_long { NUMBER_MAX } else { CODE_MAX.into() };
-        match byte {
-            HIGH.. if state != CODE_DIGITS => {
-                self.value = push(self.value, byte);
-                if is_long && state == CODE {
-                    self.state = CODE_PACKED;
-                    return Step::Taken;
-                }
-                self.value = if is_long { unsigned14(self.value).into() } else { low(byte.into()).into() };
-                self.start = byte;
-                self.end(kind)
-            }
-            b'0'..=b'9' if state != CODE_PACKED => self.digit(byte, CODE_DIGITS),
-            b'\r' | b'\n' if state == CODE_DIGITS && self.decimal(most).is_some() => self.end(kind),
-            b'\r' | b'\n' if state == CODE_DIGITS => self.refuse(byte, Fault::Range, false),
-            _ => self.refuse(byte, Fault::Syntax, state == CODE_PACKED),
         }
     }
 

@@ -1,0 +1,76 @@
+//! The packed bytes of a vector.
+
+use super::{Receiver, Step, VALUE};
+use crate::bytes::WIDE;
+use crate::gx::message::{Fault, Kind};
+use crate::gx::packed::{HIGH, push, signed7, signed28, unsigned14};
+use crate::gx::vector::{MASK_AXES, MASK_VELOCITY};
+
+impl<const NOTICES: bool> Receiver<NOTICES> {
+    /// The mask behind the first byte.
+    pub(super) fn mask(&mut self, byte: u8) -> Step {
+        let mask = byte & !HIGH;
+        if mask == 0 {
+            return self.refuse(byte, Fault::Empty, true);
+        }
+        self.vector.mask = mask;
+        self.left = mask;
+        self.place = if mask & MASK_VELOCITY != 0 { 2 } else { self.groups() };
+        self.state = VALUE;
+        Step::Taken
+    }
+
+    /// On hosts, takes the values of axes that lie in one piece and are due.
+    #[inline(always)]
+    pub(super) fn whole_values(&mut self, bytes: &mut &[u8]) -> Step {
+        if WIDE && self.state == VALUE && self.left & MASK_VELOCITY == 0 && self.place == self.groups() {
+            *bytes = self.vector.unpack(&mut self.left, bytes, self.start == b'*');
+            if self.left == 0 {
+                return self.vector_ends();
+            }
+        }
+        Step::Taken
+    }
+
+    /// Packed bytes of an axis.
+    const fn groups(&self) -> u8 {
+        if self.start == b'*' { 1 } else { 4 }
+    }
+
+    /// A byte of a packed value.
+    #[inline]
+    pub(super) fn packed(&mut self, byte: u8) -> Step {
+        self.value = push(self.value, byte);
+        self.place = self.place.wrapping_sub(1) & 3;
+        if self.place == 0 { self.value_ends() } else { Step::Taken }
+    }
+
+    fn value_ends(&mut self) -> Step {
+        if self.left & MASK_VELOCITY != 0 {
+            self.left &= MASK_AXES;
+            self.vector.velocity = unsigned14(self.value);
+        } else {
+            let axis = self.left.trailing_zeros();
+            let value = if self.start == b'*' { signed7(self.value) } else { signed28(self.value) };
+            self.left &= self.left.wrapping_sub(1);
+            if let Some(place) = self.vector.axes.get_mut(axis as usize) {
+                *place = value;
+            }
+        }
+        if self.left != 0 {
+            self.place = self.groups();
+            return Step::Taken;
+        }
+        self.vector_ends()
+    }
+
+    /// The end of something binary.
+    fn vector_ends(&mut self) -> Step {
+        self.end(match self.start {
+            b'*' => Kind::Step,
+            b'=' => Kind::Position,
+            b'~' => Kind::Reporting,
+            _ => Kind::Move,
+        })
+    }
+}
