@@ -1,5 +1,5 @@
 /*
- * What the library costs on the target, beside the model of the original (c_tests/model/) in the same image:
+ * What the library costs on the target (with LONGEST_ALONE, the longest dp_recv and nothing else), beside the model of the original (c_tests/model/) in the same image:
  * instructions on a Cortex-M in QEMU, which is told to take one nanosecond for each; cycles on a simulated AVR. Prints
  * a table on the UART, then the stack that was really used, and "done".
  */
@@ -16,6 +16,10 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <util/atomic.h>
+#endif
+
+#ifndef LONGEST_ALONE
+#define LONGEST_ALONE 0
 #endif
 
 /* The same model compiled for speed; model.c itself is compiled like firmware, for size. */
@@ -414,6 +418,11 @@ int main(void)
 
     board_init();
     clock_init();
+    if (LONGEST_ALONE) {
+        row("longest dp_recv, 512/255, whole", worst_recv, 0);
+        print("done\n");
+        stop();
+    }
 
     print(UNIT);
     for (i = sizeof UNIT - 1; i < 36; ++i)

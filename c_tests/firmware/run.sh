@@ -109,44 +109,55 @@ if [ "$what" = test ]; then
     done
     echo "firmware-test: passed"
 else
-    # measure TARGET PREFIX FLAGS...: compiles the model, sets lib
+    # measure TARGET LIBDIR SIZES: compiles the benchmark with the model, for the processor in $cpu or $mcu; prints what
+    # it prints
     measure() {
-        target=$1 prefix=$2
-        shift 2
-        lib=$root/target/firmware/$target
+        lib=$2
+        case $1 in
+            avr-none) prefix=avr- flags="-mmcu=$mcu" board="$example/avr/board.c" ;;
+            *)
+                prefix=arm-none-eabi- flags="-mcpu=$cpu -mthumb"
+                board="$example/tm4c/startup.c $example/tm4c/board.c -nostartfiles --specs=nano.specs \
+                    -T $example/tm4c/link.ld" ;;
+        esac
+        flags="$flags $3"
         mkdir -p "$out/bench"
         # shellcheck disable=SC2086 # lists of options
-        quietly "${prefix}gcc" "$@" -Os $sizes -c -o "$out/bench/small.o" "$root/c_tests/deltarobot/model/model.c"
-        # shellcheck disable=SC2086
-        quietly "${prefix}gcc" "$@" -O2 $sizes -c -o "$out/bench/fast.o" "$tests/fast_model.c"
+        {
+            quietly "${prefix}gcc" $flags -Os -c -o "$out/bench/small.o" "$root/c_tests/deltarobot/model/model.c"
+            quietly "${prefix}gcc" $flags -O2 -c -o "$out/bench/fast.o" "$tests/fast_model.c"
+            quietly "${prefix}gcc" $flags -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections \
+                -I "$lib/include" -Wl,--gc-sections -o "$out/bench/$1.elf" $board "$tests/bench.c" \
+                "$out/bench/small.o" "$out/bench/fast.o" "$lib/libdeltarobot.a"
+        }
+        case $1 in
+            avr-none) lines "$out/simavr_run" "$mcu" "$out/bench/$1.elf" mute ;;
+            # shellcheck disable=SC2046 # a command line
+            *) lines $(qemu "$cpu" "$out/bench/$1.elf" -icount shift=0 -semihosting-config enable=on,target=native) ;;
+        esac
+    }
+    # both TARGET: for the sizes of the build, and the longest dp_recv for large ones.
+    both() {
+        measure "$1" "$root/target/firmware/$1" "$sizes"
+        large=$out/large/$1
+        quietly env DP_BUFSIZE=512 DP_DATA_MAX_SIZE=255 "$root/firmware/build.sh" "$1" "$large"
+        measure "$1" "$large" "-DDP_BUFSIZE=512 -DDP_DATA_MAX_SIZE=255 -DLONGEST_ALONE=1"
     }
     lines() {
-        timeout 100 "$@" 2>"$out/log" >"$out/bench/table" </dev/null || true
+        timeout 900 "$@" 2>"$out/log" >"$out/bench/table" </dev/null || true
         grep -q '^done' "$out/bench/table" || {
             cat "$out/log" "$out/bench/table" >&2; echo "bench: it did not end" >&2; exit 1
         }
         sed '/^done/d' "$out/bench/table"
     }
     for row in "thumbv6m-none-eabi cortex-m0" "thumbv7em-none-eabi cortex-m4"; do
-        # shellcheck disable=SC2086 # two words
-        set -- $row
-        measure "$1" arm-none-eabi- "-mcpu=$2" -mthumb
-        # shellcheck disable=SC2086
-        quietly arm-none-eabi-gcc "-mcpu=$2" -mthumb -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes \
-            -I "$lib/include" -nostartfiles --specs=nano.specs -T "$example/tm4c/link.ld" -Wl,--gc-sections -o "$out/bench/$1.elf" \
-            "$example/tm4c/startup.c" "$example/tm4c/board.c" "$tests/bench.c" "$out/bench/small.o" "$out/bench/fast.o" \
-            "$lib/libdeltarobot.a"
-        echo "$1 ($2)"
-        # shellcheck disable=SC2046 # a command line
-        lines $(qemu "$2" "$out/bench/$1.elf" -icount shift=0 -semihosting-config enable=on,target=native)
+        cpu=${row#* }
+        echo "${row% *} ($cpu)"
+        both "${row% *}"
     done
-    measure avr-none avr- "-mmcu=$mcu"
-    # shellcheck disable=SC2086
-    quietly avr-gcc "-mmcu=$mcu" -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections $sizes -I "$lib/include" \
-        -Wl,--gc-sections -o "$out/bench/avr.elf" "$example/avr/board.c" "$tests/bench.c" "$out/bench/small.o" "$out/bench/fast.o" \
-        "$lib/libdeltarobot.a"
     echo "avr-none ($mcu)"
-    lines "$out/simavr_run" "$mcu" "$out/bench/avr.elf" mute
+    both avr-none
+    lib=$root/target/firmware/avr-none
     quietly avr-gcc "-mmcu=$mcu" -std=gnu99 -Os -Wall -Wextra -Werror -ffunction-sections -I "$lib/include" \
         -Wl,--gc-sections -o "$out/bench/gx.elf" "$example/avr/board.c" "$tests/gx_bench.c" "$lib/libdeltarobot.a"
     lines "$out/simavr_run" "$mcu" "$out/bench/gx.elf" mute
