@@ -75,11 +75,11 @@ mod special {
 
     in_every_mode! {
         gx_channel: Program::of("gx_channel", &["gx/channel.c"]).family(Family::Gx).slowly(&["300"]);
-        gx_real_links: Program::of("gx_real_links", &["gx/real_links.c"]).family(Family::Gx).slowly(&["300"]);
+        gx_real_links: Program::of("gx_real_links", &["gx/real_links.c"]).family(Family::Gx).slowly(&["300"]).fully(&["100000"]);
         kinematics: Program::of("kinematics", &["kinematics/kinematics.c"]).family(Family::Serial).slowly(&["3000"]);
         values: Program::of("values", &["deltarobot/values.c"]).language(Language::C11);
         line_channel: Program::of("line_channel", &["line/channel.c"]).family(Family::Line).slowly(&["300"]);
-        line_real_links: Program::of("line_real_links", &["line/real_links.c"]).family(Family::Line).slowly(&["500"]);
+        line_real_links: Program::of("line_real_links", &["line/real_links.c"]).family(Family::Line).slowly(&["500"]).fully(&["1"]);
         cross_comm: Program::of("cross_comm", &["../test/cross_comm.cpp"]);
         noise: Program::of("noise", &["deltarobot/noise.c", MODEL]);
         robot: Program::of("robot", &["kinematics/robot.cpp"]).family(Family::Serial).needs_eigen();

@@ -148,6 +148,8 @@ pub(crate) struct Program {
     pub(crate) family: Family,
     /// What it is given where it runs many times as slowly.
     slowly: &'static [&'static str],
+    /// What it is given with `DP_FULL_LENGTH=1`, where it is quickest: its figures are those of docs/.
+    fully: &'static [&'static str],
     needs_eigen: bool,
 }
 
@@ -156,7 +158,16 @@ impl Program {
     pub(crate) const fn of(name: &'static str, sources: &'static [&'static str]) -> Self {
         let language =
             if sources[0].as_bytes()[sources[0].len() - 1] == b'p' { Language::Cpp98 } else { Language::C99 };
-        Self { name, sources, language, flags: &[], family: Family::Deltarobot, slowly: &[], needs_eigen: false }
+        Self {
+            name,
+            sources,
+            language,
+            flags: &[],
+            family: Family::Deltarobot,
+            slowly: &[],
+            fully: &[],
+            needs_eigen: false,
+        }
     }
 
     pub(crate) const fn language(self, language: Language) -> Self {
@@ -176,13 +187,23 @@ impl Program {
         Self { slowly, ..self }
     }
 
+    pub(crate) const fn fully(self, fully: &'static [&'static str]) -> Self {
+        Self { fully, ..self }
+    }
+
     pub(crate) const fn needs_eigen(self) -> Self {
         Self { needs_eigen: true, ..self }
     }
 
     /// What it is given: less to do under valgrind and emulators, and where a library that isn't optimized counts what is run.
     pub(crate) fn args(&self, mode: Mode) -> &'static [&'static str] {
-        if mode == Mode::Valgrind || coverage().is_some() || cross().is_some() { self.slowly } else { &[] }
+        if mode == Mode::Valgrind || coverage().is_some() || cross().is_some() {
+            self.slowly
+        } else if mode == Mode::Static && env::var_os("DP_FULL_LENGTH").is_some() {
+            self.fully
+        } else {
+            &[]
+        }
     }
 
     /// The other sizes that mean anything to it.
