@@ -1,5 +1,7 @@
 //! `deltarobot send`: commands of the other protocols and their outcomes.
 
+use std::io::Read;
+
 use super::device::Device;
 use super::*;
 
@@ -62,11 +64,38 @@ fn moves_of_gx() {
 }
 
 #[test]
+fn a_machine_is_stopped() {
+    let sim = sim("gx", &["--velocity", "100"]);
+    let port = &sim.device;
+    let said = printed(&gx(port, &["stop"]), FINISHED);
+    assert!(said.starts_with("stop finished after ") && said.contains(": x=0  y=0"), "{said}");
+    let hold = json(&gx(port, &["hold", "--json"]), FINISHED);
+    assert_eq!((&hold["command"], &hold["outcome"], &hold["held"]), (&"hold".into(), &"finished".into(), &true.into()));
+    assert_eq!(json(&gx(port, &["query", "--ascii", "--json"]), FINISHED)["held"], true);
+    assert_eq!(json(&gx(port, &["resume", "--json"]), FINISHED)["held"], false);
+
+    // On its way for hours, then interrupted.
+    let mut child = deltarobot(&gx(port, &["x100", "y50000000", "y0"])).stdout(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    said.read_line(&mut line).unwrap();
+    assert!(line.starts_with("x100 finished after "), "{line}");
+    interrupt(&child);
+    line.clear();
+    said.read_to_string(&mut line).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(CANCELLED), "{line}");
+    for said in ["y50000000 failed after ", "y0 dropped after ", "stop finished after ", ": x=100  y="] {
+        assert!(line.contains(said), "{said}: {line}");
+    }
+}
+
+#[test]
 fn no_answer_is_no_outcome() {
     let device = Device::new();
     for (arguments, text) in [
         (line(&device.path, &["setswitch&state=1", "--id", "x", "--answer-time", "0.1"]), "timed out"),
         (gx(&device.path, &["x1", "--answer-time", "0.1", "--attempts", "2"]), "timed out"),
+        (gx(&device.path, &["stop", "--answer-time", "0.1", "--attempts", "2"]), "not answered"),
     ] {
         let began = Instant::now();
         let said = printed(&arguments, TIMED_OUT);
@@ -90,4 +119,5 @@ fn what_can_not_be_sent_is_named() {
     complains(&gx(port, &["x1x2"]), USAGE, "twice");
     complains(&gx(port, &["#1x2"]), USAGE, "without a number");
     complains(&gx(port, &["R20"]), USAGE, "no move");
+    complains(&gx(port, &["x1", "stop"]), USAGE, "stop: it has to stand alone");
 }

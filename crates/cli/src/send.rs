@@ -23,8 +23,9 @@ const READY_TIME: Duration = Duration::from_secs(30);
 #[command(
     after_help = "With --protocol line a command is the beginning of a line, such as `c=setswitch&state=1`: `t`, `id` \
     and, where it is in force, the checksum are added. One follows the other. With --protocol gx it is a move in \
-    ASCII, such as `V1000x400y300`; several are under way at a time, and when one fails, those behind it are dropped. \
-    What has been sent of those goes on when `send` is interrupted: GX can't cancel."
+    ASCII, such as `V1000x400y300`; several are under way at a time, and when one fails, those behind it are dropped; \
+    Ctrl-C stops the machine. `hold`, `resume`, `stop` and `query` stand alone: they stop for now, go on, stop and \
+    forget all moves, and ask how much room there is, if the machine knows these extensions."
 )]
 pub(crate) struct Arguments {
     /// The device
@@ -71,13 +72,13 @@ fn send(arguments: &Arguments, report: &mut Report) -> Result<Status, Failure> {
     let protocol = arguments.spoken.protocol;
     let given = [(Protocol::Line, arguments.line.given()), (Protocol::Gx, arguments.gx.given())];
     protocol.refuse_others(&given)?;
-    let moves = match protocol {
+    let commands = match protocol {
         Protocol::Deltarobot => {
             let text = "it takes --protocol line or gx; for a delta robot there are home, move, status and cancel";
             return Err(Failure::Usage(text.into()));
         }
-        Protocol::Line => Vec::new(),
-        Protocol::Gx => arguments.commands.iter().map(|command| gx::parse(command)).collect::<Result<_, _>>()?,
+        Protocol::Line => None,
+        Protocol::Gx => Some(gx::Commands::parse(&arguments.commands)?),
     };
     arguments.line.check(protocol)?;
     let signals = Signals::catch()?;
@@ -87,9 +88,9 @@ fn send(arguments: &Arguments, report: &mut Report) -> Result<Status, Failure> {
     if !link.get_ready(arguments.wait)? {
         return Ok(Status::Cancelled);
     }
-    match protocol {
-        Protocol::Gx => gx::send(arguments, &moves, &mut link, report),
-        _ => line::send(arguments, &mut link, report),
+    match commands {
+        Some(commands) => gx::send(arguments, commands, &mut link, report),
+        None => line::send(arguments, &mut link, report),
     }
 }
 
@@ -100,6 +101,8 @@ trait Session {
     /// The next bytes to send.
     fn output(&mut self, room: &mut [u8], now: u32) -> usize;
     fn receive(&mut self, bytes: &[u8], now: u32) -> usize;
+    /// Ends what it can, for Ctrl-C. Returns whether there is nothing to wait for.
+    fn interrupt(&mut self) -> bool;
     /// Milliseconds until there is something to do.
     fn next_deadline(&self, now: u32) -> Option<u32>;
 }
@@ -169,7 +172,7 @@ impl Link<'_> {
             }
             let taken = session.receive(&self.received, self.clock.now_ms());
             self.received.drain(..taken);
-            if self.signals.is_raised() {
+            if self.signals.came() && session.interrupt() {
                 complain("interrupted: what was sent is not cancelled");
                 return Ok(Status::Cancelled);
             }

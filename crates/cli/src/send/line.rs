@@ -137,6 +137,10 @@ impl Session for Sender {
         self.host.receive(bytes, now)
     }
 
+    fn interrupt(&mut self) -> bool {
+        true
+    }
+
     fn next_deadline(&self, now: u32) -> Option<u32> {
         self.host.next_deadline(now)
     }

@@ -24,7 +24,7 @@ pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
         Message::Position(vector) => ("position", axes(vector, false)),
         Message::Malformed(code) => ("malformed", format!("  {}", reason(*code))),
         Message::Confirmed { number, check } => ("confirmed", format!("  ..{number}  check {check}")),
-        Message::Control(bits) => (control(*bits), String::new()),
+        Message::Control(bits) => (Control::of(*bits).map_or("unknown control", control_name), String::new()),
         Message::Status(status) => {
             ("status", format!("  {} free{}", status.free, if status.is_held { "  holds" } else { "" }))
         }
@@ -40,9 +40,9 @@ pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
         "bytes": hex(bytes),
     });
     let more = match message {
-        Message::Move(vector) => json!({ "target": axes_json(vector), "velocity": vector.velocity() }),
-        Message::Step(vector) => json!({ "delta": axes_json(vector), "velocity": vector.velocity() }),
-        Message::Position(vector) => json!({ "position": axes_json(vector), "velocity": vector.velocity() }),
+        Message::Move(vector) => json!({ "target": position_json(vector), "velocity": vector.velocity() }),
+        Message::Step(vector) => json!({ "delta": position_json(vector), "velocity": vector.velocity() }),
+        Message::Position(vector) => json!({ "position": position_json(vector), "velocity": vector.velocity() }),
         Message::Reporting(period) => json!({ "period_ms": period }),
         Message::Refused(code) | Message::Malformed(code) => json!({ "code": code, "reason": reason(*code) }),
         Message::Confirmed { number, check } => json!({ "number_end": number, "check": check }),
@@ -56,14 +56,18 @@ pub(super) fn piece(from: Side, item: &Item, bytes: &[u8]) -> Piece {
 }
 
 /// What is asked for past the queue.
-fn control(bits: u16) -> &'static str {
-    match Control::of(bits) {
-        Some(Control::Query) => "query",
-        Some(Control::Hold) => "hold",
-        Some(Control::Resume) => "resume",
-        Some(Control::Stop) => "stop",
-        None => "unknown control",
+pub(crate) const fn control_name(control: Control) -> &'static str {
+    match control {
+        Control::Query => "query",
+        Control::Hold => "hold",
+        Control::Resume => "resume",
+        Control::Stop => "stop",
     }
+}
+
+/// A position, such as `x=400  y=300  V=1000`.
+pub(crate) fn position(vector: &Vector) -> String {
+    axes(vector, false).trim_start().to_owned()
 }
 
 /// Axes and velocity, such as `  x=400  y=300  V=1000`.
@@ -74,7 +78,7 @@ fn axes(vector: &Vector, signed: bool) -> String {
     values.chain(vector.velocity().map(|velocity| format!("  V={velocity}"))).collect()
 }
 
-fn axes_json(vector: &Vector) -> Value {
+pub(crate) fn position_json(vector: &Vector) -> Value {
     let values =
         NAMES.iter().enumerate().filter_map(|(axis, name)| Some(((*name).to_owned(), vector.axis(axis)?.into())));
     Value::Object(values.collect())
