@@ -296,7 +296,6 @@ pub fn fletcher_words(sum: u16, bytes: &[u8]) -> (u16, &[u8]) {
 /// What a word adds to the first sum, and to the second besides eight times the first: each byte as often as it is in a
 /// sum that is added there, 8 times to once.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "16 bits")]
 const fn fletcher_word(word: [u8; WORD]) -> (u32, u32) {
     const LANES: u64 = 0x00FF_00FF_00FF_00FF;
     let word = u64::from_le_bytes(word);
