@@ -84,7 +84,7 @@ SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
 endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
-    install-serve uninstall-serve load faults demo demo-line demo-gx \
+    install-serve uninstall-serve convert install-convert uninstall-convert load faults demo demo-line demo-gx \
     wheel bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
@@ -173,7 +173,7 @@ header: ## renews include/, which holds the headers of the default sizes
 	@echo "header: include is up to date"
 
 doc: ## builds the documentation, of the crate and of the C API, in target/doc; needs doxygen
-	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --workspace --exclude deltarobot-cli --exclude deltarobot-serve --features serial \
+	+$(Q)env $(ALL_SIZES:%=-u %) RUSTDOCFLAGS='-D warnings' $(CARGO) doc $(QUIET) --no-deps --workspace --exclude deltarobot-cli --exclude deltarobot-records --exclude deltarobot-serve --features serial \
 	    --target-dir target
 	$(Q)mkdir -p target/doc/c && doxygen docs/Doxyfile
 	@echo "doc: target/doc/deltarobot/index.html for Rust, target/doc/c/html/index.html for C"
@@ -217,6 +217,10 @@ cli: ## builds the program `deltarobot`
 serve: ## builds `deltarobot serve`
 	$(call program,deltarobot-serve,deltarobot-serve)
 
+# So is this one: its MCAP adds a third to what `cli` takes.
+convert: ## builds `deltarobot convert`, which `record` into MCAP takes too
+	$(call program,deltarobot-convert,deltarobot-records)
+
 # Where shells look for completions, and what `deltarobot completions` calls the shells.
 COMPLETIONS := bash:bash-completion/completions/deltarobot zsh:zsh/site-functions/_deltarobot \
     fish:fish/vendor_completions.d/deltarobot.fish
@@ -244,6 +248,14 @@ install-serve: $(if $(shell command -v $(CARGO)),serve) ## installs `deltarobot 
 uninstall-serve: ## removes it from there
 	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-serve'
 	@echo "uninstall-serve: deltarobot-serve is gone from $(DESTDIR)$(BINDIR)"
+
+install-convert: $(if $(shell command -v $(CARGO)),convert) ## installs `deltarobot convert` in BINDIR, below PREFIX
+	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && \
+	    install -m 755 $(OUT)/deltarobot-convert '$(DESTDIR)$(BINDIR)/deltarobot-convert'
+	@echo "install-convert: deltarobot-convert is in $(DESTDIR)$(BINDIR)"
+uninstall-convert: ## removes it from there
+	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-convert'
+	@echo "uninstall-convert: deltarobot-convert is gone from $(DESTDIR)$(BINDIR)"
 
 demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
 	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host $(OUT)/deltarobot sim
@@ -307,7 +319,7 @@ FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
 	$(Q)rm -rf target $(IN_PLACE_SIZES) $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) \
-	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot-serve $(OUT)/deltarobot.d*
+	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot-serve $(OUT)/deltarobot-convert $(OUT)/deltarobot.d*
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:

@@ -77,6 +77,12 @@ impl Piece {
         matches!(self.kind, Kind::Message(_))
     }
 
+    /// What the robot is doing, and where, if the message says that.
+    pub fn state(&self) -> Option<Value> {
+        let member = |name| Some(self.json.get(name)?.clone());
+        Some(json!({ "state": member("state")?, "position": member("position")?, "stops": member("stops")? }))
+    }
+
     /// As JSON, between the other members of an object.
     pub fn add_to(&self, mut object: Value) -> Value {
         if let Some(object) = object.as_object_mut() {
@@ -87,14 +93,15 @@ impl Piece {
 }
 
 /// Who may have sent something: nobody knows, or one of the two.
-pub(crate) const SENDERS: [Option<Side>; 3] = [None, Some(Side::Host), Some(Side::Controller)];
+pub const SENDERS: [Option<Side>; 3] = [None, Some(Side::Host), Some(Side::Controller)];
 
 /// One of them for each sender.
 #[derive(Debug, Default)]
-pub(crate) struct Lanes<T>([T; SENDERS.len()]);
+pub struct Lanes<T>([T; SENDERS.len()]);
 
 impl<T> Lanes<T> {
-    pub(crate) const fn of(&mut self, from: Option<Side>) -> &mut T {
+    /// That one's.
+    pub const fn of(&mut self, from: Option<Side>) -> &mut T {
         let Self([unknown, host, controller]) = self;
         match from {
             None => unknown,
@@ -183,7 +190,7 @@ impl Statistics {
 }
 
 /// In microseconds' precision.
-pub(crate) fn seconds(time: Duration) -> Value {
+pub fn seconds(time: Duration) -> Value {
     format!("{:.6}", time.as_secs_f64()).parse::<f64>().map_or(Value::Null, Value::from)
 }
 

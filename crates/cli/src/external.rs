@@ -22,7 +22,8 @@ pub(crate) fn run(words: &[OsString]) -> Failure {
     }
 }
 
-fn find(name: &str) -> Option<PathBuf> {
+/// Where the program of that name is.
+pub(crate) fn find(name: &str) -> Option<PathBuf> {
     if name.contains('/') {
         return None;
     }

@@ -50,6 +50,12 @@ mod tap;
 pub mod wait;
 pub mod words;
 
+pub use protocol::{Protocol, Spoken};
+pub use record::size;
+pub use screen::complain;
+pub use signals::{Signals, bear_size_limits};
+pub use source::CHUNK;
+
 use std::ffi::OsString;
 use std::process::ExitCode;
 

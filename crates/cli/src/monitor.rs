@@ -215,7 +215,7 @@ impl Monitor {
                 break;
             }
         }
-        let (mut file, mut source) = (Progress::open(path)?, Source::new(path));
+        let (mut file, mut source) = (Progress::again(path)?, Source::new(path));
         loop {
             let bytes = file.read()?;
             if bytes.is_empty() || signals.came() {

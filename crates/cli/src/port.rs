@@ -27,12 +27,12 @@ const WRITE_TIME: Duration = Duration::from_secs(1);
 /// How often it is tried to open a port that is not there.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// The gap within a message of a sender whose bytes come as they are sent; of those that come through a USB converter
-/// or another program; and of those from a network, where a lost packet comes again after 200 ms at the soonest, or a
-/// pipe, which may come from one.
-pub const GAP_DIRECT: Duration = Duration::from_millis(50);
-/// See above.
+/// The gap within a message of a sender whose bytes come as they are sent.
+pub(crate) const GAP_DIRECT: Duration = Duration::from_millis(50);
+/// That of one whose bytes come through a USB converter or another program.
 pub const GAP_USB: Duration = Duration::from_millis(250);
+/// That of one in a network, where a lost packet comes again after 200 ms at the soonest, or of a pipe, which may come
+/// from one.
 pub(crate) const GAP_NETWORK: Duration = Duration::from_secs(1);
 
 /// How a port is opened.
@@ -108,7 +108,7 @@ pub enum AtClose {
 }
 
 /// The same, but at least a hundredth of a second.
-pub(crate) fn positive_seconds(text: &str) -> Result<f64, String> {
+pub fn positive_seconds(text: &str) -> Result<f64, String> {
     match seconds(text) {
         Ok(seconds) if seconds >= 0.01 => Ok(seconds),
         _ => Err("not a number of seconds from 0.01 to 86400".into()),

@@ -5,7 +5,7 @@ use crate::status::Failure;
 
 /// A protocol.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Protocol {
+pub enum Protocol {
     /// Frames between a host and the controller of a delta robot
     #[default]
     Deltarobot,
@@ -37,7 +37,7 @@ impl Protocol {
     }
 
     /// What takes its messages apart.
-    pub(crate) fn decoder(self) -> Box<dyn Decoder> {
+    pub fn decoder(self) -> Box<dyn Decoder> {
         match self {
             Self::Deltarobot => Box::<deltarobot::Frames>::default(),
             Self::Line => Box::<line::Lines>::default(),
@@ -57,8 +57,8 @@ impl Protocol {
 
 /// The option of the commands that work with each of them.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub(crate) struct Spoken {
+pub struct Spoken {
     /// The protocol that is spoken
     #[arg(id = "spoken", long = "protocol", value_enum, value_name = "PROTOCOL", default_value_t)]
-    pub(crate) protocol: Protocol,
+    pub protocol: Protocol,
 }

@@ -14,6 +14,7 @@ use crate::recording::Side;
 use crate::screen::{Screen, complain};
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
+pub use file::size;
 use file::{FileOptions, Recorder};
 
 /// How long bytes of the device may wait while it is looked whether a program has opened the tap.
@@ -59,18 +60,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Screen::new().line(&pty.path().display().to_string())?;
     }
     let mut session = Session { device, pty, file, clock: Clock::new(), room: vec![0; 4096] };
-    loop {
+    let result = loop {
         match session.run(&signals) {
             Err(failure @ Failure::Device(_)) if arguments.reconnect && !session.file.has_failed() => {
                 complain(&failure.to_string());
-                match opening.open(|| signals.is_raised())? {
-                    Some(device) => session.device = device,
-                    None => return Ok(Status::Finished),
+                match opening.open(|| signals.is_raised()) {
+                    Ok(Some(device)) => session.device = device,
+                    Ok(None) => break Ok(()),
+                    Err(failure) => break Err(failure),
                 }
             }
-            result => return result.map(|()| Status::Finished),
+            result => break result,
         }
-    }
+    };
+    result.and(session.file.finish()).map(|()| Status::Finished)
 }
 
 /// The line between a host program and a device.

@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
     // Before anything is sent, all of it has to be readable.
     let mut is_empty = true;
-    let source = read(arguments, &signals, |_| {
+    let source = read(arguments, Progress::open(&arguments.file)?, &signals, |_| {
         is_empty = false;
         Ok(true)
     })?;
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         },
     };
     let mut player = Player { device, screen: Screen::new(), began: Instant::now(), fast: arguments.fast };
-    read(arguments, &signals, |entry| player.play(entry, &signals))?;
+    read(arguments, Progress::again(&arguments.file)?, &signals, |entry| player.play(entry, &signals))?;
     if signals.is_raised() {
         return Ok(Status::Cancelled);
     }
@@ -67,6 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// Reads a recording through, unless a signal comes: what that side sent.
 fn read(
     arguments: &Arguments,
+    mut file: Progress,
     signals: &Signals,
     mut take: impl FnMut(&Entry) -> Result<bool, Failure>,
 ) -> Result<Source, Failure> {
@@ -78,7 +79,7 @@ fn read(
         }
         Piece::Entry(..) => Ok(!signals.is_raised()),
     };
-    let (mut file, mut source) = (Progress::open(&arguments.file)?, Source::new(&arguments.file));
+    let mut source = Source::new(&arguments.file);
     while !signals.is_raised() {
         let bytes = file.read()?;
         if bytes.is_empty() {

@@ -13,12 +13,12 @@ use crate::status::Failure;
 const ENDING: [c_int; 10] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGXCPU];
 
 /// Whether the program was asked to end. Waiting, which a signal cuts short, has to look here.
-pub(crate) struct Signals(Arc<AtomicBool>);
+pub struct Signals(Arc<AtomicBool>);
 
 impl Signals {
     /// From now on signals are noted instead of ending the program, but for those that whoever started it had ignored:
     /// as `nohup` does with SIGHUP, and shells with SIGINT where a script runs something in the background.
-    pub(crate) fn catch() -> Result<Self, Failure> {
+    pub fn catch() -> Result<Self, Failure> {
         let flag = Arc::new(AtomicBool::new(false));
         let note = |signal, flag| {
             signal_hook::flag::register(signal, flag).map_err(|error| Failure::of_file("signals", &error))
@@ -26,8 +26,7 @@ impl Signals {
         for signal in ENDING.into_iter().filter(|signal| !is_ignored(*signal)) {
             note(signal, Arc::clone(&flag))?;
         }
-        // A limit on the size of files is a full disk: writing fails, which says so.
-        note(SIGXFSZ, Arc::default())?;
+        bear_size_limits()?;
         Ok(Self(flag))
     }
 
@@ -40,6 +39,12 @@ impl Signals {
     pub(crate) fn came(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)
     }
+}
+
+/// A limit on the size of files is a full disk: writing fails, which says so.
+pub fn bear_size_limits() -> Result<(), Failure> {
+    let noted = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    noted.map(drop).map_err(|error| Failure::of_file("signals", &error))
 }
 
 #[expect(unsafe_code, reason = "no library says it")]

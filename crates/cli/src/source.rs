@@ -1,5 +1,7 @@
 //! Files and streams that are read to their end: recordings, or bytes as they are.
 
+pub(crate) mod mcap;
+
 use std::fs::File;
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -11,7 +13,7 @@ use crate::screen::complain;
 use crate::status::Failure;
 
 /// Bytes that are read at a time.
-pub(crate) const CHUNK: usize = 1 << 16;
+pub const CHUNK: usize = 1 << 16;
 /// A file of this size is read before anyone could want to know how long it takes.
 const SHORT: u64 = 1 << 24;
 
@@ -102,18 +104,34 @@ pub(crate) struct Progress {
     name: PathBuf,
     bar: ProgressBar,
     room: Vec<u8>,
+    /// What makes text of MCAP.
+    converter: Option<mcap::Converter>,
 }
 
 impl Progress {
     pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
         let failure = |error: &io::Error| Failure::of_file(path.display(), error);
-        let file = File::open(path).map_err(|error| failure(&error))?;
-        let length = file.metadata().map_err(|error| failure(&error))?.len();
+        let mut file = File::open(path).map_err(|error| failure(&error))?;
+        let mut length = file.metadata().map_err(|error| failure(&error))?.len();
+        let mut converter = None;
+        if mcap::is_mcap(&mut file).map_err(|error| failure(&error))? {
+            // How long the text will be is not known.
+            length = 0;
+            let (started, text) = mcap::Converter::start(path)?;
+            (converter, file) = (Some(started), text);
+        }
         let is_shown = length >= SHORT && !io::stdout().is_terminal();
         let bar = if is_shown { ProgressBar::new(length) } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("{wide_bar} {percent:>3} % of {total_bytes}, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Ok(Self { file, name: path.to_owned(), bar, room: vec![0; CHUNK] })
+        Ok(Self { file, name: path.to_owned(), bar, room: vec![0; CHUNK], converter })
+    }
+
+    /// The same file again: what is the matter with it has been said.
+    pub(crate) fn again(path: &Path) -> Result<Self, Failure> {
+        let mut progress = Self::open(path)?;
+        progress.converter.iter_mut().for_each(mcap::Converter::silence);
+        Ok(progress)
     }
 
     /// The next bytes; none at the end.
@@ -125,6 +143,11 @@ impl Progress {
                 Ok(count) => break count,
             }
         };
+        if count == 0
+            && let Some(converter) = self.converter.take()
+        {
+            converter.end()?;
+        }
         self.bar.inc(u64::try_from(count).unwrap_or_default());
         Ok(self.room.get(..count).unwrap_or_default())
     }

@@ -1,12 +1,16 @@
 //! The file that a recording is written to.
 
+mod mcap;
+
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use chrono::Utc;
 
+use crate::port::positive_seconds;
+use crate::protocol::Spoken;
 use crate::recording::{Entry, HEADER, Parser, Side, Start};
 use crate::screen::Screen;
 use crate::source::CHUNK;
@@ -25,11 +29,32 @@ pub(super) struct FileOptions {
     /// Begins another file when this one has so many bytes (`500k`, `10M`, `1G`), which is renamed to FILE.1, FILE.2 ...
     #[arg(long, value_name = "SIZE", value_parser = size)]
     rotate: Option<u64>,
+    /// The same after so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    rotate_after: Option<f64>,
+    /// The format; by default MCAP for a FILE named *.mcap, whose older ones become x.1.mcap, x.2.mcap ..., else text
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// MCAP has the messages besides: those of this protocol
+    #[command(flatten)]
+    spoken: Spoken,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// A line for each run of bytes
+    Text,
+    /// Bytes, messages and states, for Foxglove, ROS 2 and others; takes deltarobot-convert
+    Mcap,
 }
 
 impl FileOptions {
     /// Whether the file may be written.
     pub(super) fn check(&self) -> Result<(), Failure> {
+        if self.append && self.is_mcap() {
+            return Err(Failure::Usage("--append: an MCAP file can't be continued; record another".into()));
+        }
         let is_there = fs::metadata(&self.file).is_ok_and(|metadata| metadata.is_file());
         if self.is_output() || !is_there || self.append || self.force {
             return Ok(());
@@ -40,10 +65,15 @@ impl FileOptions {
     fn is_output(&self) -> bool {
         self.file.as_os_str() == "-"
     }
+
+    fn is_mcap(&self) -> bool {
+        let named = self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
+        self.format.map_or(named, |format| format == Format::Mcap)
+    }
 }
 
 /// Bytes, with the letters that people put behind.
-fn size(text: &str) -> Result<u64, String> {
+pub fn size(text: &str) -> Result<u64, String> {
     let (digits, factor) = match text.char_indices().next_back() {
         Some((end, 'k' | 'K')) => (text.get(..end), 1 << 10),
         Some((end, 'm' | 'M')) => (text.get(..end), 1 << 20),
@@ -59,9 +89,14 @@ pub(super) struct Recorder {
     name: PathBuf,
     /// `None` for standard output.
     file: Option<File>,
+    /// What makes MCAP of what is written to that.
+    converter: Option<mcap::Converter>,
     /// Its length, up to the last line that was written whole.
     length: u64,
     rotate: Option<u64>,
+    rotate_after: Option<Duration>,
+    /// When the file was begun.
+    began: Instant,
     gap: Duration,
     /// Recorded time when this program began.
     offset: Duration,
@@ -74,13 +109,21 @@ impl Recorder {
         let mut recorder = Self {
             name,
             file: None,
+            converter: None,
             length: 0,
             rotate: options.rotate,
+            rotate_after: options.rotate_after.map(Duration::from_secs_f64),
+            began: Instant::now(),
             gap,
             offset: Duration::ZERO,
             has_failed: false,
         };
-        if !options.is_output() {
+        if options.is_mcap() {
+            let (converter, pipe) = mcap::Converter::start(options)?;
+            (recorder.converter, recorder.file) = (Some(converter), Some(pipe));
+            // It does that.
+            (recorder.rotate, recorder.rotate_after) = (None, None);
+        } else if !options.is_output() {
             let mut open = OpenOptions::new();
             open.create(true).read(options.append).write(true).truncate(!options.append);
             let file = open.open(&recorder.name).map_err(|error| recorder.failure(&error))?;
@@ -129,8 +172,8 @@ impl Recorder {
         self.line(format!("{start}\n# gap {}\n", self.gap.as_secs_f64()).as_bytes())
     }
 
-    pub(super) const fn is_output(&self) -> bool {
-        self.file.is_none()
+    pub(super) fn is_output(&self) -> bool {
+        self.name.as_os_str() == "-"
     }
 
     /// Whether nobody reads what is written.
@@ -146,7 +189,9 @@ impl Recorder {
     /// Notes what passed at a time since this program began.
     pub(super) fn note(&mut self, time: Duration, from: Side, bytes: &[u8]) -> Result<(), Failure> {
         let time = self.offset + time;
-        if self.rotate.is_some_and(|size| self.length >= size) && self.file.is_some() {
+        let is_full = self.rotate.is_some_and(|size| self.length >= size)
+            || self.rotate_after.is_some_and(|time| self.began.elapsed() >= time);
+        if is_full && self.file.is_some() {
             self.begin_file(time)?;
         }
         let mut line = Vec::new();
@@ -165,7 +210,7 @@ impl Recorder {
         let renamed = free.map_or(Ok(()), |free| fs::rename(&self.name, free));
         let created = renamed.and_then(|()| File::create_new(&self.name));
         self.file = Some(created.map_err(|error| self.failed(&error))?);
-        self.length = 0;
+        (self.length, self.began) = (0, Instant::now());
         let start = Start { time, utc: Utc::now() };
         self.line(format!("{HEADER}\n{start}\n# gap {}\n", self.gap.as_secs_f64()).as_bytes())
     }
@@ -186,8 +231,20 @@ impl Recorder {
         Ok(())
     }
 
+    /// Nothing follows.
+    pub(super) fn finish(&mut self) -> Result<(), Failure> {
+        let Some(converter) = self.converter.take() else { return Ok(()) };
+        self.file = None;
+        converter.end(&self.name)
+    }
+
     fn failed(&mut self, error: &io::Error) -> Failure {
         self.has_failed = true;
+        if error.kind() == io::ErrorKind::BrokenPipe
+            && let Err(failure) = self.finish()
+        {
+            return failure;
+        }
         self.failure(error)
     }
 

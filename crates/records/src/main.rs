@@ -1,0 +1,7 @@
+//! The program `deltarobot-convert`, which `deltarobot convert` runs.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    deltarobot_records::main()
+}
