@@ -85,7 +85,7 @@ endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
     install-serve uninstall-serve convert install-convert uninstall-convert load faults demo demo-line demo-gx \
-    wheel bench coverage mutants figures fuzz clean help FORCE
+    wheel deb bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -281,6 +281,9 @@ wheel: ## builds a Python package in OUT; needs Python with pip
 	    MAKEFLAGS= MFLAGS= $(PYTHON) -m pip --disable-pip-version-check wheel $(QUIET) --no-deps -w $(OUT) packaging/python
 	@echo "wheel: $$(ls -t $(OUT)/deltarobot-$(VERSION)-*.whl | head -n 1)"
 PYTHON ?= python3
+
+deb: ## builds Debian's packages in OUT; DEB_FLAGS go to dpkg-buildpackage, -d where cargo is not Debian's
+	$(Q)packaging/debian.sh $(abspath $(OUT)) $(VERSION) $(DEB_FLAGS)
 
 bench: lib ## measures the library beside a model of the original
 	$(Q)c_tests/bench/run.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE)

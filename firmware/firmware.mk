@@ -7,7 +7,7 @@ FIRMWARE_TARGETS := thumbv6m-none-eabi thumbv7m-none-eabi thumbv7em-none-eabi th
 MCU ?= atmega2560
 export MCU
 
-.PHONY: firmware firmware-all firmware-size firmware-test firmware-bench
+.PHONY: firmware firmware-all firmware-size firmware-test firmware-bench firmware-package
 
 firmware: ## builds the library for bare metal, TARGET=thumbv7em-none-eabihf for example
 	$(Q)test -n '$(TARGET)' || { echo "firmware: say which: TARGET=$(firstword $(FIRMWARE_TARGETS)), or one of" \
@@ -37,3 +37,8 @@ firmware-test: lib firmware-all ## runs examples/firmware in emulators against a
 
 firmware-bench: lib firmware-all ## counts instructions and cycles on the targets
 	$(Q)HOST_LIB='$(OUT)' c_tests/firmware/run.sh bench
+
+# With the archives of more targets than those that are measured.
+firmware-package: ## packs a library for Arduino, PlatformIO, ESP-IDF, Zephyr and CMake; FIRMWARE_MCUS are the AVRs
+	+$(Q)FIRMWARE_MCUS='$(FIRMWARE_MCUS)' packaging/firmware/pack.sh target/firmware $(VERSION)
+FIRMWARE_MCUS ?= atmega328p atmega32u4 atmega2560
