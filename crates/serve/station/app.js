@@ -31,7 +31,10 @@ const recorded = new Recorded();
 const playback = new Playback(() => {
   recorded.reset();
   clear();
-}, (entries) => entries.forEach((entry) => recorded.feed(entry)));
+}, (entries) => {
+  entries.forEach(showEntry);
+  recorded.feed(entries);
+});
 
 const cancel = cancelButton('cancel', async () => (shown && shown !== recorded.robot ? shown.cancel() : cancelAll()));
 const allCancel = cancelButton('cancel-all', cancelAll);
@@ -104,12 +107,11 @@ function update(robot) {
     scene.setMachine(state.machine, state.lengths);
   }
   scene.setStops(state.stops);
-  scene.setPose(state.pose, state.operation?.pose ?? null);
+  scene.setPose(state.pose, robot.targetPose);
   if (state.pose) paths.addReached(state.pose);
   showPlace(robot);
   panel.update();
   paths.update();
-  say(by('view'), '');
   const word = `${robot.name}: ${headline(state)[0]}`;
   if (word !== spoken) say(by('announce'), word);
   spoken = word;
@@ -203,16 +205,18 @@ input('playback-file').addEventListener('change', async () => {
   if (!file) return;
   try {
     say(by('playback-note'), `${file.name}: being read…`);
-    playback.open(await recorded.read(file));
+    const like = [...connection.robots.values()].find((robot) => robot.state.geometry);
+    playback.open(await recorded.read(file, like?.state ?? null));
   } catch (error) {
     say(by('playback-note'), `${file.name}: ${error instanceof Error ? error.message : error}`);
   }
   enable(by('playback-play'), playback.entries.length > 0);
 });
 
-recorded.robot.changed = () => update(recorded.robot);
+recorded.robot.changed = update;
 connection.onRobots = route;
 connection.onUpdate = update;
+connection.onRefused = (text) => panel.noteMove(text, true);
 connection.onLink = (text, bad) => {
   say(by('connection'), text);
   by('connection').toggleAttribute('data-bad', bad);

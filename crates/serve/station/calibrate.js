@@ -4,7 +4,7 @@ import { platform } from './kinematics.js';
 
 /** @typedef {import('./kinematics.js').Vec} Vec */
 /** @typedef {import('./kinematics.js').Machine} Machine */
-/** @typedef {{ scale: number, offset: number }} Arm length in metres = offset + scale * displacement */
+/** @typedef {import('./robot.js').Arm} Arm */
 /** @typedef {{ pose: Vec, displacements: Vec }} Known */
 
 /**
@@ -60,13 +60,15 @@ export class Calibration {
       group('Platform', ['d_b1b3', 'd_e'], ['B1 to B3', 'B2 off the plane']),
       group('Scale (metres per unit)', ['scale0', 'scale1', 'scale2'], ['A', 'B', 'C']),
       group('Offset (metres at displacement 0)', ['offset0', 'offset1', 'offset2'], ['A', 'B', 'C']),
+      group('Least displacement (may be empty)', ['min0', 'min1', 'min2'], ['A', 'B', 'C']),
+      group('Largest displacement (may be empty)', ['max0', 'max1', 'max2'], ['A', 'B', 'C']),
       group('Pose at which the robot stands now', ['px', 'py', 'pz'], ['X', 'Y', 'Z']),
       make('div', { class: 'row' }, button('Add known pose', () => this.add()), button('Compute scale and offset', () => this.compute())),
       this.list, this.note,
       make('div', { class: 'row' }, make('button', { type: 'submit' }, 'Save'), button('Remove geometry', () => this.send(null)), button('Close', () => this.dialog.close())));
     this.form.addEventListener('submit', (event) => {
       event.preventDefault();
-      this.attempt(() => this.send({ ...this.machine(), scale: this.vec('scale0', 'scale1', 'scale2'), offset: this.vec('offset0', 'offset1', 'offset2') }));
+      this.attempt(() => this.send(this.geometry()));
     });
     this.dialog.append(this.form);
     by('calibrate-open').addEventListener('click', () => this.open());
@@ -98,14 +100,28 @@ export class Calibration {
     return { a1, a2, a3, d_b1b3: this.value('d_b1b3'), d_e: this.value('d_e') };
   }
 
+  /** @returns {import('./robot.js').Geometry} */
+  geometry() {
+    const { a1, a2, a3, d_b1b3, d_e } = this.machine();
+    const arm = (/** @type {number} */ at) => ({ scale: this.value(`scale${at}`), offset: this.value(`offset${at}`), ...this.limit('min', at), ...this.limit('max', at) });
+    return { joints: [a1, a2, a3], edge: d_b1b3, offset: d_e, arms: [arm(0), arm(1), arm(2)] };
+  }
+
+  /** @param {'min' | 'max'} end @param {number} arm */
+  limit(end, arm) {
+    const empty = this.field(end + arm).value.trim() === '';
+    this.field(end + arm).setAttribute('aria-invalid', 'false');
+    return empty ? {} : { [end]: this.value(end + arm) };
+  }
+
   open() {
     const geometry = this.robot()?.state.geometry;
     if (geometry) {
-      POINTS.forEach((point) => 'xyz'.split('').forEach((axis, at) => { this.field(point + axis).value = String(geometry[point][at]); }));
-      for (const id of /** @type {const} */ (['d_b1b3', 'd_e'])) this.field(id).value = String(geometry[id]);
+      POINTS.forEach((point) => 'xyz'.split('').forEach((axis, at) => { this.field(point + axis).value = String(geometry.joints[POINTS.indexOf(point)][at]); }));
+      this.field('d_b1b3').value = String(geometry.edge);
+      this.field('d_e').value = String(geometry.offset);
       [0, 1, 2].forEach((arm) => {
-        this.field(`scale${arm}`).value = String(geometry.scale[arm]);
-        this.field(`offset${arm}`).value = String(geometry.offset[arm]);
+        for (const what of /** @type {const} */ (['scale', 'offset', 'min', 'max'])) this.field(what + arm).value = String(geometry.arms[arm][what] ?? '');
       });
     }
     say(this.note, '');
