@@ -20,6 +20,8 @@ export class PathPanel {
     this.drawing = new Drawing(scene, (points) => this.checkPoints(points));
     /** What to check again when the plane or the tolerance changes. @type {(() => Promise<void>) | null} */
     this.again = null;
+    /** @type {(() => import('./robot.js').PathRequest) | null} */
+    this.request = null;
     /** @type {Checked | null} */
     this.checked = null;
     /** @type {Vec[]} */
@@ -46,7 +48,7 @@ export class PathPanel {
         field('path-tilt1', 'Tilt (°)', '0'), field('path-tilt2', 'and', '0'),
         button('path-here', 'To the tool', () => this.placeHere())),
       make('div', { class: 'row' },
-        button('path-run', 'Run', () => this.act((robot) => robot.runPath())),
+        button('path-run', 'Run', () => this.run()),
         button('path-pause', 'Pause', () => this.act((robot) => robot.pausePath())),
         button('path-resume', 'Resume', () => this.act((robot) => robot.resumePath())),
         make('span', { id: 'path-progress-text', role: 'status' })),
@@ -151,6 +153,7 @@ export class PathPanel {
 
   /** @param {() => import('./robot.js').PathRequest} request @param {string} name */
   async check(request, name) {
+    this.request = request;
     this.again = async () => {
       try {
         this.note(`${name}: being checked…`, false);
@@ -161,7 +164,7 @@ export class PathPanel {
         const { targets, unreachable, length } = this.checked;
         this.note(unreachable.length === 0 ? `${name}: ${targets} targets, ${(length * 1000).toFixed(0)} mm, all within reach`
           : `${name}: ${unreachable.length} parts are out of reach`, unreachable.length > 0);
-        by('path-problems').replaceChildren(...unreachable.slice(0, 50).map(({ line, reason }) => make('li', { class: 'bad' }, `${line === null ? '' : `line ${line}: `}${reason}`)));
+        by('path-problems').replaceChildren(...unreachable.slice(0, 50).map(({ lines, reason }) => make('li', { class: 'bad' }, `${name === 'drawn' ? 'points' : 'lines'} ${lines[0]} to ${lines[1]}: ${reason}`)));
       } catch (error) {
         this.checked = null;
         by('path-problems').replaceChildren();
@@ -171,6 +174,14 @@ export class PathPanel {
       this.update();
     };
     await this.again();
+  }
+
+  run() {
+    const { request } = this;
+    if (!request) return;
+    this.reached = [];
+    this.draw();
+    this.act((robot) => robot.runPath(request()));
   }
 
   /** @param {(robot: Robot) => Promise<void>} act */
@@ -227,7 +238,7 @@ export class PathPanel {
     enable(by('path-pause'), drives && run?.state === 'running', why || 'no path runs');
     enable(by('path-resume'), drives && run?.state === 'paused', why || 'no path is paused');
     /** @type {HTMLProgressElement} */ (by('path-progress')).value = run ? run.done / Math.max(run.total, 1) : 0;
-    const error = run?.error ? `, error ${(run.error.rms * 1000).toFixed(2)} mm on average, ${(run.error.max * 1000).toFixed(2)} mm at most` : '';
+    const error = run?.error ? `, error ${(run.error.mean * 1000).toFixed(2)} mm on average, ${(run.error.max * 1000).toFixed(2)} mm at most` : '';
     const left = run?.left != null && run.state === 'running' ? `, ${Math.ceil(run.left)} s left` : '';
     say(by('path-progress-text'), run ? `${run.state}: ${run.done} of ${run.total}${left}${error}${run.message ? `: ${run.message}` : ''}` : '');
   }

@@ -47,9 +47,9 @@ import { number } from './dom.js';
  * @property {PathRun | null} path
  */
 
-/** @typedef {{ state: string, done: number, total: number, left: number | null, error: { rms: number, max: number } | null, message: string }} PathRun */
+/** @typedef {{ state: string, done: number, total: number, left: number | null, error: { mean: number, max: number } | null, message: string }} PathRun */
 /** @typedef {{ kind: 'wanted' | 'travel' | 'unreachable', points: Vec[] }} Stroke */
-/** @typedef {{ targets: number, length: number, strokes: Stroke[], unreachable: { line: number | null, reason: string }[] }} Checked */
+/** @typedef {{ targets: number, length: number, strokes: Stroke[], unreachable: { lines: [number, number], reason: string }[] }} Checked */
 /** @typedef {{ points: Vec[], tolerance: number } | { format: string, file: string, tolerance: number, scale: number, plane: { origin: Vec, x: Vec, y: Vec } }} PathRequest */
 
 /**
@@ -197,8 +197,9 @@ export class Robot {
     return this.order('path', request);
   }
 
-  async runPath() {
-    await this.order('path/run');
+  /** @param {PathRequest} request */
+  async runPath(request) {
+    await this.order('path/run', request);
   }
 
   async pausePath() {

@@ -1,0 +1,113 @@
+// What all tests of the station need: the program with its robots, a browser, and how to wait for what a person sees.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { createInterface } from 'node:readline';
+import { chromium } from 'playwright-core';
+
+export const PROGRAM = process.env.DELTAROBOT_SERVE ?? '../../target/debug/deltarobot-serve';
+/** What has not come by then won't come, however slow the machine. */
+export const PATIENCE = 120_000;
+
+/** The robot of docs/kinematics.md, with displacements in millimetres. */
+export const GEOMETRY = {
+  joints: [[0.12, 0, 0.10], [0.38, 0, 0.25], [0.12, 0, 0.40]], edge: 0.15, offset: 0.08,
+  arms: [0, 1, 2].map(() => ({ scale: 0.001, offset: 0.3, min: 0, max: 300 })),
+};
+
+/**
+ * Starts a program and waits for the address it prints.
+ * @param {string[]} words
+ */
+export async function start(words, program = PROGRAM) {
+  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'inherit'] });
+  const lines = createInterface({ input: child.stdout });
+  const url = await new Promise((resolve, reject) => {
+    lines.on('line', (line) => { if (line.startsWith('http://')) resolve(line); });
+    child.on('exit', (code) => reject(new Error(`${program} has ended with ${code}`)));
+    child.on('error', reject);
+  });
+  return {
+    url: String(url),
+    child,
+    async stop() {
+      if (child.exitCode !== null) return;
+      child.kill();
+      await once(child, 'exit');
+    },
+  };
+}
+
+/** @param {string} url @param {string} method @param {unknown} [body] */
+export async function api(url, method, body) {
+  const response = await fetch(url, { method, headers: { 'Content-Type': 'application/json' }, body: body === undefined ? undefined : JSON.stringify(body) });
+  const text = await response.text();
+  assert.ok(response.ok, `${method} ${url}: ${response.status} ${text}`);
+  return text ? JSON.parse(text) : null;
+}
+
+export async function browser() {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+}
+
+/**
+ * A page of its own, with its own storage, that fails the test when a script of it fails.
+ * @param {import('playwright-core').Browser} browser
+ * @param {string} url
+ * @param {import('playwright-core').BrowserContextOptions} [options]
+ */
+export async function open(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  context.setDefaultTimeout(PATIENCE);
+  const page = await context.newPage();
+  /** @type {string[]} */
+  const errors = [];
+  page.on('pageerror', (error) => errors.push(String(error)));
+  page.on('console', (message) => {
+    // What the network refuses is part of some tests; what the policy of the page refuses never is.
+    if (message.type() === 'error' && !/Failed to load resource|WebSocket connection/.test(message.text())) errors.push(message.text());
+  });
+  await page.goto(url);
+  return { page, context, errors };
+}
+
+/** Waits until an element says so. @param {import('playwright-core').Page} page @param {string} selector @param {RegExp} text */
+export async function says(page, selector, text) {
+  const element = page.locator(selector);
+  try {
+    await page.waitForFunction(([selector, source, flags]) => new RegExp(source, flags).test(document.querySelector(selector)?.textContent ?? ''),
+      [selector, text.source, text.flags], { timeout: PATIENCE });
+  } catch {
+    assert.fail(`${selector} says "${await element.textContent()}" instead of ${text}`);
+  }
+}
+
+/** @param {import('playwright-core').Page} page */
+export async function drive(page) {
+  await page.click('#drive');
+  await says(page, '#driver', /^You drive/);
+}
+
+/** @param {import('playwright-core').Page} page */
+export async function home(page) {
+  await page.click('#home');
+  await says(page, '#state', /IDLE/);
+  await page.waitForFunction(() => [...document.querySelectorAll('#where td:nth-child(2)')].every((cell) => cell.textContent === '0.00'), undefined, { timeout: PATIENCE });
+}
+
+/** @param {import('playwright-core').Page} page @param {(number | string)[]} target */
+export async function move(page, target) {
+  for (const [at, value] of target.entries()) await page.fill(`#target-${at}`, String(value));
+  await page.click('#move-go');
+}
+
+/** @param {import('playwright-core').Page} page @param {string[]} target as it is shown */
+export async function standsAt(page, target) {
+  await page.waitForFunction((target) => {
+    const cells = [...document.querySelectorAll('#where td:nth-child(2)')].map((cell) => cell.textContent);
+    return target.every((value, arm) => cells[arm] === value) && document.querySelector('#state')?.textContent === 'IDLE';
+  }, target, { timeout: PATIENCE });
+}
