@@ -101,7 +101,7 @@ export async function home(page) {
 /** @param {import('playwright-core').Page} page @param {(number | string)[]} target */
 export async function move(page, target) {
   for (const [at, value] of target.entries()) await page.fill(`#target-${at}`, String(value));
-  await page.click('#move-go');
+  await page.click('#move-go[aria-disabled=false]');
 }
 
 /** @param {import('playwright-core').Page} page @param {string[]} target as it is shown */

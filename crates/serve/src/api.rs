@@ -2,6 +2,7 @@
 
 pub(crate) mod compute;
 pub(crate) mod motion;
+mod path;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,6 +26,7 @@ use crate::problem::{Kind, Problem};
 use crate::robot::Robot;
 use crate::security::Guard;
 use crate::station;
+use crate::trace::Traces;
 use crate::watch::{MESSAGE_MAX, Watch};
 
 /// The description of all this.
@@ -42,6 +44,8 @@ pub(crate) struct App {
     pub(crate) fleet: Arc<Fleet>,
     /// Who may do what.
     pub(crate) guard: Arc<Guard>,
+    /// Paths that are traced.
+    pub(crate) traces: Arc<Traces>,
 }
 
 /// Everything that can be asked.
@@ -56,6 +60,10 @@ pub(crate) fn router(app: App) -> Router {
         .route("/api/robots/{name}/cancel", post(motion::cancel))
         .route("/api/robots/{name}/lease", post(motion::lease).delete(motion::release))
         .route("/api/robots/{name}/geometry", put(set_geometry).delete(remove_geometry))
+        .route("/api/robots/{name}/path", post(path::check))
+        .route("/api/robots/{name}/path/run", post(path::run))
+        .route("/api/robots/{name}/path/pause", post(path::pause))
+        .route("/api/robots/{name}/path/resume", post(path::resume))
         .route("/api/robots/{name}/events", get(watch_one))
         .route("/api/events", get(watch_all))
         .route("/api/kinematics/forward", post(compute::forward))

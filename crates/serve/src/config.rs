@@ -231,6 +231,11 @@ impl Robot {
         }
     }
 
+    /// The same with measures.
+    pub(crate) fn with_geometry(self, geometry: Option<Geometry>) -> Self {
+        Self { geometry, ..self }
+    }
+
     /// One of which no more is said.
     pub(crate) fn at(port: PathBuf) -> Self {
         Self {

@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 
 use crate::lease::Driver;
 use crate::state::{Operation, State};
+use crate::trace::Run;
 
 /// Something that has happened to a robot.
 #[derive(Debug)]
@@ -42,6 +43,13 @@ pub(crate) enum What {
         time: String,
         /// Who.
         driver: Option<Driver>,
+    },
+    /// A path is traced.
+    Path {
+        /// When.
+        time: String,
+        /// How far.
+        run: Run,
     },
 }
 

@@ -1,5 +1,6 @@
 //! Where the platform is when its arms have some displacements, and the other way round.
 
+use deltarobot_cli::path::{self, Machine};
 use deltarobot_protocols::kinematics::{self, Error, forward, inverse};
 use serde::{Deserialize, Serialize};
 
@@ -22,11 +23,17 @@ pub(crate) struct Geometry {
 struct Arm {
     offset: f32,
     scale: f32,
+    /// The least displacement, if there is a limit...
+    #[serde(skip_serializing_if = "Option::is_none")]
+    min: Option<f32>,
+    /// ...and the largest one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max: Option<f32>,
 }
 
 impl Default for Arm {
     fn default() -> Self {
-        Self { offset: 0.0, scale: 1.0 }
+        Self { offset: 0.0, scale: 1.0, min: None, max: None }
     }
 }
 
@@ -37,6 +44,11 @@ impl Geometry {
         let is_usable = |arm: &Arm| arm.offset.is_finite() && arm.scale.is_finite() && arm.scale != 0.0;
         if !self.arms.iter().all(is_usable) {
             return impossible("the offsets and scales of the arms have to be finite, and no scale may be 0");
+        }
+        let limits = |arm: &Arm| (arm.min.unwrap_or(f32::MIN), arm.max.unwrap_or(f32::MAX));
+        // Not so where one of them is no number.
+        if !self.arms.iter().map(limits).all(|(min, max)| min < max) {
+            return impossible("an arm's min has to be less than its max");
         }
         // No pose says more than that the geometry is in order.
         match inverse::<f64>(&self.measures(), [0.0; 3]) {
@@ -63,7 +75,39 @@ impl Geometry {
         lengths.iter().all(|length| length.is_finite()).then_some(lengths)
     }
 
+    /// That of a file that `deltarobot path` takes.
+    pub(crate) fn of(machine: &Machine) -> Self {
+        let path::Arms { a, b, c } = &machine.arms;
+        let arm = |arm: &path::Arm| Arm {
+            offset: single(arm.offset),
+            scale: single(arm.scale),
+            min: Some(single(arm.min)),
+            max: Some(single(arm.max)),
+        };
+        let joints = [machine.a1, machine.a2, machine.a3];
+        Self { joints, edge: machine.edge, offset: machine.offset, arms: [arm(a), arm(b), arm(c)] }
+    }
+
+    /// What paths are planned for: arms without limits can't be checked.
+    pub(crate) fn machine(&self) -> Result<Machine, Problem> {
+        let arm = |arm: &Arm| {
+            let (min, max) = arm.min.zip(arm.max).ok_or_else(|| {
+                Problem::new(Kind::Impossible, "paths need the least and the largest displacement of each arm")
+            })?;
+            let [scale, offset, min, max] = [arm.scale, arm.offset, min, max].map(f64::from);
+            Ok(path::Arm { scale, offset, min, max })
+        };
+        let ([a1, a2, a3], [a, b, c]) = (self.joints, &self.arms);
+        let arms = path::Arms { a: arm(a)?, b: arm(b)?, c: arm(c)? };
+        Ok(Machine { a1, a2, a3, edge: self.edge, offset: self.offset, arms })
+    }
+
     const fn measures(&self) -> kinematics::Geometry {
         kinematics::Geometry { joints: self.joints, edge: self.edge, offset: self.offset }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "it rounds")]
+const fn single(number: f64) -> f32 {
+    number as f32
 }

@@ -26,6 +26,8 @@ mod security;
 mod simulated;
 mod state;
 mod station;
+mod trace;
+mod ui;
 mod watch;
 
 use std::io::{self, Write};
@@ -45,6 +47,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use api::App;
 use config::{Config, File, Name};
 use fleet::Fleet;
+pub use ui::main as ui;
 
 /// Lets many programs watch robots, and one at a time drive each.
 ///
@@ -112,7 +115,11 @@ impl Arguments {
 
 fn run(arguments: Arguments) -> Result<Status, Failure> {
     let keep_moving = arguments.keep_moving;
-    let mut config = arguments.config()?;
+    serve(arguments.config()?, keep_moving, |_| ())
+}
+
+/// Goes on until a signal. `listening` gets the address of the page.
+fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) -> Result<Status, Failure> {
     raise_limit();
     let listener = listen(config.listen)?;
     let raw: Vec<_> =
@@ -126,7 +133,7 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
     }
     let failed = |error| Failure::of_file("threads", &error);
     let fleet = Arc::new(Fleet::start(config.robots).map_err(failed)?);
-    let app = App { fleet: Arc::clone(&fleet), guard: Arc::new(config.guard) };
+    let app = App { fleet: Arc::clone(&fleet), guard: Arc::new(config.guard), traces: Arc::default() };
     let runtime = Runtime::new().map_err(failed)?;
     let result = runtime.block_on(async {
         let mut terminated = signal(SignalKind::terminate()).map_err(failed)?;
@@ -136,7 +143,9 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
             say(&format!("{name}: raw bytes on {}", listener.local_addr().map_err(failed)?))?;
             tokio::spawn(raw::serve(tokio::net::TcpListener::from_std(listener).map_err(failed)?, Arc::clone(robot)));
         }
-        say(&format!("http://{}", listener.local_addr().map_err(failed)?))?;
+        let url = format!("http://{}", listener.local_addr().map_err(failed)?);
+        say(&url)?;
+        listening(&url);
         tokio::spawn(http::serve(tokio::net::TcpListener::from_std(listener).map_err(failed)?, api::router(app)));
         tokio::select! {
             _ = terminated.recv() => (),

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -78,6 +78,7 @@ pub(crate) struct Robot {
     all: All,
     inbox: Mutex<Inbox>,
     waker: UnixStream,
+    cancels: AtomicU64,
     is_ending: AtomicBool,
 }
 
@@ -121,6 +122,7 @@ impl Robot {
             all,
             inbox: Mutex::default(),
             waker,
+            cancels: AtomicU64::new(0),
             is_ending: AtomicBool::new(false),
             settings,
         }
@@ -186,9 +188,15 @@ impl Robot {
     /// Cancels what the robot does, ahead of all orders. Returns what the controller has said.
     pub(crate) async fn cancel(&self) -> Result<End, Problem> {
         let (reply, answer) = oneshot::channel();
+        self.cancels.fetch_add(1, Ordering::SeqCst);
         locked(&self.inbox).cancels.push(reply);
         self.wake();
         answer.await.map_err(|_| gone())?
+    }
+
+    /// How often that was asked for: whoever has more than one motion in mind gives up when it changes.
+    pub(crate) fn cancels(&self) -> u64 {
+        self.cancels.load(Ordering::SeqCst)
     }
 
     /// Sends bytes of who holds the lease.
@@ -220,7 +228,8 @@ impl Robot {
         self.is_ending.load(Ordering::Relaxed)
     }
 
-    fn publish(&self, event: Event) {
+    /// Shows it to whoever watches.
+    pub(crate) fn publish(&self, event: Event) {
         let event = Arc::new(event);
         // Nobody has to watch.
         let _ = self.events.send(Arc::clone(&event));

@@ -110,16 +110,20 @@ export class Connection {
 
   /** @param {Robot} robot @param {{ client: string } | null} driver */
   setDriver(robot, driver) {
-    const mine = driver?.client === this.client && robot.lease !== '';
-    if (driver && !mine && driver.client !== this.client) robot.lease = '';
-    robot.state = { ...robot.state, driver: driver && { name: driver.client, mine } };
+    robot.state = { ...robot.state, driver: driver && { name: driver.client, mine: this.drives(robot, driver) } };
+  }
+
+  /** Whether that is this page. @param {Robot} robot @param {{ client: string } | null} driver */
+  drives(robot, driver) {
+    // A state without a driver may be older than the lease.
+    if (driver && driver.client !== this.client) robot.lease = '';
+    return driver !== null && robot.lease !== '';
   }
 
   /** @param {Robot} robot @param {Wire} wire */
   update(robot, wire) {
-    if (wire.driver?.client !== this.client) robot.lease = '';
     const before = robot.state;
-    robot.state = stateOf(wire, robot.lease ? this.client : null);
+    robot.state = stateOf(wire, this.drives(robot, wire.driver));
     robot.state.path = robot.run;
     robot.findTarget().catch(() => {});
     if (robot.watcher) {

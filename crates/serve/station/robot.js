@@ -70,8 +70,8 @@ export const UNKNOWN = {
 
 const ARMS = ['A', 'B', 'C'];
 
-/** What people read in a state. @param {Wire} wire @param {string | null} me this page's name, if it has the lease @returns {State} */
-export function stateOf(wire, me) {
+/** What people read in a state. @param {Wire} wire @param {boolean} mine whether this page drives @returns {State} */
+export function stateOf(wire, mine) {
   const { geometry, operation, health } = wire;
   const arms = geometry?.arms ?? [];
   const limits = arms.map(({ min, max }) => (min == null || max == null ? null : /** @type {[number, number]} */ ([min, max])));
@@ -95,7 +95,7 @@ export function stateOf(wire, me) {
     }),
     operation: operation && operation.outcome === null ? { text: `${says(operation)}, by ${operation.by}`, target: operation.target } : null,
     failure: failed ? `${says(operation)} ${operation.outcome?.replace('_', ' ')}${operation.reason ? `: ${operation.reason}` : ''}` : '',
-    driver: wire.driver && { name: wire.driver.client, mine: wire.driver.client === me },
+    driver: wire.driver && { name: wire.driver.client, mine },
     health: [
       ['Round trip', health.round_trip_ms == null ? '?' : `${health.round_trip_ms} ms`], ['Messages', String(health.frames)],
       ['Garbage', `${health.garbage_bytes} bytes`], ['Checksums', `${health.checksum_failures} wrong`],

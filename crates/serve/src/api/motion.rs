@@ -146,7 +146,7 @@ pub(super) async fn release(State(app): State<App>, name: Name, headers: HeaderM
     }
 }
 
-fn word(headers: &HeaderMap) -> Result<Option<&str>, Problem> {
+pub(super) fn word(headers: &HeaderMap) -> Result<Option<&str>, Problem> {
     let Some(word) = headers.get(LEASE) else { return Ok(None) };
     word.to_str().map(Some).map_err(|_| Problem::new(Kind::Malformed, "the header Deltarobot-Lease is no lease"))
 }

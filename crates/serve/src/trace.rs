@@ -1,0 +1,186 @@
+//! Paths that robots trace: one target after the other, for who drives.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use deltarobot_cli::path::{Runner, Step};
+use serde::Serialize;
+use tokio::sync::Notify;
+
+use crate::event::{Event, What};
+use crate::locked;
+use crate::problem::{Kind, Problem};
+use crate::robot::{Command, Goal, Place, Robot};
+use crate::state::{End, stamp};
+
+/// How often a pause looks whether its driver is there.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// What a run does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Doing {
+    Running,
+    Paused,
+    Finished,
+    Cancelled,
+    Failed,
+}
+
+/// Distances between targets and where the platform stood, in the geometry's unit.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Errors {
+    mean: f64,
+    max: f64,
+}
+
+/// How far a run is; openapi.json describes it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Run {
+    state: Doing,
+    done: usize,
+    total: usize,
+    /// Seconds.
+    left: Option<f64>,
+    error: Option<Errors>,
+    message: String,
+}
+
+/// The paths that are being traced, by the robots' names.
+#[derive(Debug, Default)]
+pub(crate) struct Traces(Mutex<BTreeMap<Arc<str>, Arc<Trace>>>);
+
+/// A path that is being traced.
+#[derive(Debug)]
+struct Trace {
+    word: String,
+    robot: Arc<Robot>,
+    runner: Mutex<Runner>,
+    is_paused: Mutex<bool>,
+    resumed: Notify,
+}
+
+impl Traces {
+    /// Begins with a path.
+    pub(crate) fn begin(self: &Arc<Self>, robot: &Arc<Robot>, word: &str, runner: Runner) -> Result<Run, Problem> {
+        robot.leases.holder(word)?;
+        let trace = Arc::new(Trace {
+            word: word.to_owned(),
+            robot: Arc::clone(robot),
+            runner: runner.into(),
+            is_paused: false.into(),
+            resumed: Notify::new(),
+        });
+        let name = Arc::clone(robot.name());
+        {
+            let mut traces = locked(&self.0);
+            if traces.contains_key(&name) {
+                return Err(Problem::new(Kind::Busy, "it traces a path already"));
+            }
+            traces.insert(Arc::clone(&name), Arc::clone(&trace));
+        }
+        let (traces, run) = (Arc::clone(self), trace.run(Doing::Running, None, String::new()));
+        tokio::spawn(async move {
+            let cancels = trace.robot.cancels();
+            let began = Instant::now();
+            let (doing, message) = trace.follow(cancels, began).await;
+            locked(&traces.0).remove(&name);
+            trace.tell(doing, None, message);
+        });
+        Ok(run)
+    }
+
+    /// Makes no more moves after this one, or goes on.
+    pub(crate) fn pause(&self, robot: &Robot, word: &str, pauses: bool) -> Result<(), Problem> {
+        robot.leases.holder(word)?;
+        let trace = locked(&self.0).get(robot.name()).cloned();
+        let trace = trace.ok_or_else(|| Problem::new(Kind::Impossible, "it traces no path"))?;
+        *locked(&trace.is_paused) = pauses;
+        trace.resumed.notify_one();
+        Ok(())
+    }
+}
+
+impl Trace {
+    /// Returns how it ended, and why.
+    async fn follow(&self, cancels: u64, mut began: Instant) -> (Doing, String) {
+        loop {
+            began += self.wait_while_paused(cancels, began).await;
+            let was_cancelled = || self.robot.cancels() != cancels;
+            if was_cancelled() {
+                return (Doing::Cancelled, String::new());
+            }
+            let step = locked(&self.runner).step();
+            let Step::Move(target) = step else { return (Doing::Finished, String::new()) };
+            let goal = Goal { place: Place::Displacements(target.displacements), is_relative: false };
+            let begun = match self.robot.begin(Command::Move(goal), &self.word, None).await {
+                Ok(begun) => begun,
+                Err(_) if was_cancelled() => return (Doing::Cancelled, String::new()),
+                Err(problem) => return (Doing::Failed, problem.detail),
+            };
+            // It came between the look at the count and the move.
+            if was_cancelled() {
+                let _ = self.robot.cancel().await;
+            }
+            let Ok(operation) = begun.ended.await else { return (Doing::Failed, "the program ends".into()) };
+            match operation.outcome {
+                Some(End::Finished) => (),
+                Some(End::Cancelled) => return (Doing::Cancelled, String::new()),
+                _ => {
+                    let why = operation.reason.unwrap_or_else(|| "the move did not finish".into());
+                    return (Doing::Failed, format!("line {}: {why}", target.line));
+                }
+            }
+            let Some(at) = self.robot.snapshot().displacements else {
+                return (Doing::Failed, "the robot no longer knows where it is".into());
+            };
+            let left = {
+                let mut runner = locked(&self.runner);
+                runner.reached(at);
+                runner.progress().time_left(began.elapsed())
+            };
+            self.tell(Doing::Running, left, String::new());
+        }
+    }
+
+    /// Returns how long that was. Ends when nobody drives any more, which the next move finds out.
+    async fn wait_while_paused(&self, cancels: u64, began: Instant) -> Duration {
+        let paused = Instant::now();
+        let mut was_told = false;
+        while *locked(&self.is_paused)
+            && self.robot.cancels() == cancels
+            && self.robot.leases.holder(&self.word).is_ok()
+        {
+            if !was_told {
+                let left = locked(&self.runner).progress().time_left(began.elapsed());
+                self.tell(Doing::Paused, left, String::new());
+                was_told = true;
+            }
+            let _ = tokio::time::timeout(LOOK, self.resumed.notified()).await;
+        }
+        if was_told {
+            self.tell(Doing::Running, None, String::new());
+        }
+        paused.elapsed()
+    }
+
+    fn run(&self, state: Doing, left: Option<Duration>, message: String) -> Run {
+        let runner = locked(&self.runner);
+        let progress = runner.progress();
+        Run {
+            state,
+            done: progress.done,
+            total: progress.all,
+            left: left.map(|left| left.as_secs_f64()),
+            error: runner.errors().map(|errors| Errors { mean: errors.mean, max: errors.max }),
+            message,
+        }
+    }
+
+    fn tell(&self, state: Doing, left: Option<Duration>, message: String) {
+        let run = self.run(state, left, message);
+        let what = What::Path { time: stamp(), run };
+        self.robot.publish(Event::new(Arc::clone(self.robot.name()), what));
+    }
+}

@@ -1,0 +1,7 @@
+//! The program `deltarobot-ui`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    deltarobot_serve::ui()
+}
