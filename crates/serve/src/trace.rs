@@ -104,9 +104,9 @@ impl Traces {
 
 impl Trace {
     /// Returns how it ended, and why.
-    async fn follow(&self, cancels: u64, mut began: Instant) -> (Doing, String) {
+    async fn follow(&self, cancels: u64, mut since: Instant) -> (Doing, String) {
         loop {
-            began += self.wait_while_paused(cancels, began).await;
+            since += self.wait_while_paused(cancels, since).await;
             let was_cancelled = || self.robot.cancels() != cancels;
             if was_cancelled() {
                 return (Doing::Cancelled, String::new());
@@ -114,8 +114,8 @@ impl Trace {
             let step = locked(&self.runner).step();
             let Step::Move(target) = step else { return (Doing::Finished, String::new()) };
             let goal = Goal { place: Place::Displacements(target.displacements), is_relative: false };
-            let begun = match self.robot.begin(Command::Move(goal), &self.word, None).await {
-                Ok(begun) => begun,
+            let motion = match self.robot.begin(Command::Move(goal), &self.word, None).await {
+                Ok(motion) => motion,
                 Err(_) if was_cancelled() => return (Doing::Cancelled, String::new()),
                 Err(problem) => return (Doing::Failed, problem.detail),
             };
@@ -123,7 +123,7 @@ impl Trace {
             if was_cancelled() {
                 let _ = self.robot.cancel().await;
             }
-            let Ok(operation) = begun.ended.await else { return (Doing::Failed, "the program ends".into()) };
+            let Ok(operation) = motion.ended.await else { return (Doing::Failed, "the program ends".into()) };
             match operation.outcome {
                 Some(End::Finished) => (),
                 Some(End::Cancelled) => return (Doing::Cancelled, String::new()),
@@ -138,14 +138,14 @@ impl Trace {
             let left = {
                 let mut runner = locked(&self.runner);
                 runner.reached(at);
-                runner.progress().time_left(began.elapsed())
+                runner.progress().time_left(since.elapsed())
             };
             self.tell(Doing::Running, left, String::new());
         }
     }
 
     /// Returns how long that was. Ends when nobody drives any more, which the next move finds out.
-    async fn wait_while_paused(&self, cancels: u64, began: Instant) -> Duration {
+    async fn wait_while_paused(&self, cancels: u64, since: Instant) -> Duration {
         let paused = Instant::now();
         let mut was_told = false;
         while *locked(&self.is_paused)
@@ -153,7 +153,7 @@ impl Trace {
             && self.robot.leases.holder(&self.word).is_ok()
         {
             if !was_told {
-                let left = locked(&self.runner).progress().time_left(began.elapsed());
+                let left = locked(&self.runner).progress().time_left(since.elapsed());
                 self.tell(Doing::Paused, left, String::new());
                 was_told = true;
             }
