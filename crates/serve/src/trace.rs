@@ -64,6 +64,7 @@ struct Trace {
 impl Traces {
     /// Begins with a path.
     pub(crate) fn begin(self: &Arc<Self>, robot: &Arc<Robot>, word: &str, runner: Runner) -> Result<Run, Problem> {
+        let cancels = robot.cancels();
         robot.leases.holder(word)?;
         let trace = Arc::new(Trace {
             word: word.to_owned(),
@@ -82,7 +83,6 @@ impl Traces {
         }
         let (traces, run) = (Arc::clone(self), trace.run(Doing::Running, None, String::new()));
         tokio::spawn(async move {
-            let cancels = trace.robot.cancels();
             let began = Instant::now();
             let (doing, message) = trace.follow(cancels, began).await;
             locked(&traces.0).remove(&name);
