@@ -214,8 +214,9 @@ cli: ## builds the program `deltarobot`
 	$(call program,deltarobot,deltarobot-cli)
 
 # A program of its own, since what it is made of takes minutes to compile.
-serve: ## builds `deltarobot serve`
+serve: ## builds `deltarobot serve` and `deltarobot ui`
 	$(call program,deltarobot-serve,deltarobot-serve)
+	$(Q)$(call renew,$(CLI_DIR)/$(DP_TARGET)/release/deltarobot-ui,$(OUT)/deltarobot-ui)
 
 # So is this one: its MCAP adds a third to what `cli` takes.
 convert: ## builds `deltarobot convert`, which `record` into MCAP takes too
@@ -242,12 +243,12 @@ uninstall-cli: ## removes the program from there
 	$(Q)for shell in $(COMPLETIONS); do rm -f '$(DESTDIR)$(DATADIR)'/$${shell#*:}; done
 	@echo "uninstall-cli: deltarobot is gone from $(DESTDIR)$(BINDIR)"
 
-install-serve: $(if $(shell command -v $(CARGO)),serve) ## installs `deltarobot serve` in BINDIR, below PREFIX
-	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot-serve '$(DESTDIR)$(BINDIR)/deltarobot-serve'
-	@echo "install-serve: deltarobot-serve is in $(DESTDIR)$(BINDIR)"
+install-serve: $(if $(shell command -v $(CARGO)),serve) ## installs them in BINDIR, below PREFIX
+	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && install -m 755 $(OUT)/deltarobot-serve $(OUT)/deltarobot-ui '$(DESTDIR)$(BINDIR)'
+	@echo "install-serve: deltarobot-serve and deltarobot-ui are in $(DESTDIR)$(BINDIR)"
 uninstall-serve: ## removes it from there
-	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-serve'
-	@echo "uninstall-serve: deltarobot-serve is gone from $(DESTDIR)$(BINDIR)"
+	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-serve' '$(DESTDIR)$(BINDIR)/deltarobot-ui'
+	@echo "uninstall-serve: they are gone from $(DESTDIR)$(BINDIR)"
 
 install-convert: $(if $(shell command -v $(CARGO)),convert) ## installs `deltarobot convert` in BINDIR, below PREFIX
 	$(Q)mkdir -p '$(DESTDIR)$(BINDIR)' && \
@@ -322,7 +323,7 @@ FUZZ_SECONDS ?= 600
 
 clean: ## removes what was built
 	$(Q)rm -rf target $(IN_PLACE_SIZES) $(CARGO_DIR) $(STAGE) $(HEADERS:%=$(OUT)/include/%) \
-	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot-serve $(OUT)/deltarobot-convert $(OUT)/deltarobot.d*
+	    $(OUT)/libdeltarobot.* $(OUT)/deltarobot $(OUT)/deltarobot-serve $(OUT)/deltarobot-ui $(OUT)/deltarobot-convert $(OUT)/deltarobot.d*
 	@echo "clean: removed target and the library in $(OUT)"
 
 help:

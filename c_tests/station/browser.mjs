@@ -111,3 +111,10 @@ export async function standsAt(page, target) {
     return target.every((value, arm) => cells[arm] === value) && document.querySelector('#state')?.textContent === 'IDLE';
   }, target, { timeout: PATIENCE });
 }
+
+/** Takes a picture: one of docs/images where DP_STATION_PICTURES=1. @param {import('playwright-core').Page} page @param {string} name */
+export async function picture(page, name) {
+  const path = new URL(`../../docs/images/${name}.png`, import.meta.url).pathname;
+  const bytes = await page.screenshot(process.env.DP_STATION_PICTURES === '1' ? { path } : {});
+  assert.ok(bytes.length > 10_000, `${name} is empty`);
+}

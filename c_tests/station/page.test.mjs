@@ -3,12 +3,11 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { get } from 'node:http';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, PATIENCE, api, browser, drive, home, move, open, says, standsAt, start } from './browser.mjs';
+import { GEOMETRY, PATIENCE, api, browser, drive, home, move, open, picture, says, standsAt, start } from './browser.mjs';
 import { Controller } from './controller.mjs';
 
 /** How long the test of memory takes, in seconds: DP_STATION_MEMORY=600 is the long one. */
 const MEMORY_SECONDS = Number(process.env.DP_STATION_MEMORY ?? 20);
-const PICTURES = new URL('../../docs/images/', import.meta.url);
 
 /** @type {Awaited<ReturnType<typeof start>>} */
 let server;
@@ -75,6 +74,7 @@ test('hostile names and messages are shown as text', async () => {
   await says(page, '#health', /Garbage\d{2,} bytes/);
   await page.goto(`${server.url}/#/robot/${encodeURIComponent(evil)}`);
   await says(page, '#fleet-note', /3 robots/);
+  await api(`${server.url}/api/robots/cell/lease`, 'POST', { client: 'nobody', seconds: 1, force: true });
   assert.equal(await page.evaluate(() => document.querySelectorAll('img, script:not([src])').length + (/** @type {any} */ (window).hit ?? 0)), 0);
   assert.deepEqual(errors, []);
   await context.close();
@@ -87,7 +87,7 @@ test('the overview: what needs a person first', async () => {
   controller.report();
   await says(page, '#tiles li:first-child', /cell.*ERROR.*Needs a person: controller in error/);
   await says(page, '#fleet-note', /1 needs a person/);
-  await page.screenshot({ path: new URL('station-overview.png', PICTURES).pathname });
+  await picture(page, 'station-overview');
   controller.state = 'idle';
   controller.report();
   await says(page, '#tiles li:first-child', /On an end stop|Needs homing/);
@@ -125,7 +125,7 @@ test('accessible, in light and dark, narrow and wide', async () => {
     }
     if (width === 360) {
       await page.keyboard.press('Escape');
-      await page.screenshot({ path: new URL('station-narrow.png', PICTURES).pathname });
+      await picture(page, 'station-narrow');
     }
     await context.close();
   }
@@ -143,7 +143,7 @@ test('the layout at 1280 by 800, and its picture', async () => {
   await move(page, [100, 120, 150]);
   await says(page, '#state', /MOVING/);
   await page.waitForFunction(() => /** @type {any} */ (window).station.scene.drawn().ghost, undefined, { timeout: PATIENCE });
-  await page.screenshot({ path: new URL('station.png', PICTURES).pathname });
+  await picture(page, 'station');
   const box = async (/** @type {string} */ selector) => {
     const found = await page.locator(selector).boundingBox();
     assert.ok(found, selector);

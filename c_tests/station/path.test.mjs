@@ -1,9 +1,7 @@
 // Paths: drawn with the mouse, loaded from each format, refused by line, run to the end, paused, cancelled.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, api, browser, drive, home, move, open, says, standsAt, start } from './browser.mjs';
-
-const PICTURES = new URL('../../docs/images/', import.meta.url);
+import { GEOMETRY, api, browser, drive, home, move, open, picture, says, standsAt, start } from './browser.mjs';
 
 /** @type {Awaited<ReturnType<typeof start>>} */
 let server;
@@ -74,7 +72,7 @@ test('each format is loaded and run', async () => {
   await run();
   await load('star.svg', '<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30"><path d="M2 2 L20 4 C 25 10 20 20 10 18 Z"/></svg>');
   await says(page, '#path-note', /^star\.svg: \d+ targets, \d+ mm, all within reach/);
-  await page.screenshot({ path: new URL('station-path.png', PICTURES).pathname });
+  await picture(page, 'station-path');
   await run();
 });
 
@@ -101,7 +99,7 @@ test('what is out of reach is shown with the reason, and not run', async () => {
   const { wanted, unreachable } = await drawn();
   assert.ok(wanted >= 1 && unreachable >= 1, `${wanted} ${unreachable}`);
   assert.equal(await page.getAttribute('#path-run', 'aria-disabled'), 'true');
-  await page.screenshot({ path: new URL('station-unreachable.png', PICTURES).pathname });
+  await picture(page, 'station-unreachable');
 });
 
 test('pause, resume and cancel', async () => {
