@@ -72,7 +72,8 @@ impl Format {
 pub(super) mod tests {
     use proptest::prelude::*;
 
-    use super::super::{Placement, Plane, Waypoint};
+    use super::super::machine::tests::example;
+    use super::super::{Placement, Plane, Waypoint, prepare_points};
     use super::{FILE_MAX, Format};
 
     /// The plane of x and y, without a lift.
@@ -184,6 +185,7 @@ pub(super) mod tests {
             for format in [Format::Csv, Format::Svg, Format::Gcode] {
                 if let Ok(points) = format.read(text.as_bytes(), &flat(tolerance)) {
                     prop_assert!(points.iter().flat_map(|it| it.at).all(f64::is_finite));
+                    let _ = prepare_points(points, tolerance, &example());
                 }
             }
         }
