@@ -1,5 +1,6 @@
-//! Summing, copying and finding bytes: the only place where code differs between targets. On hosts blocks of bytes are
-//! taken at a time, elsewhere one byte; `--cfg small_leaves` has hosts do that too, for tests.
+//! Summing, copying and finding bytes: the place where code differs between targets (the values of GX do too, see
+//! `gx/receiver/binary.rs`). On hosts blocks of bytes are taken at a time, elsewhere one byte; `--cfg small_leaves` has
+//! hosts do that too, for tests.
 //!
 //! The standard copies become calls of memcpy, which the library does without.
 
