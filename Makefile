@@ -84,8 +84,8 @@ SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
 endif
 
 .PHONY: all lib header doc test check-artifact install uninstall cli install-cli uninstall-cli serve \
-    install-serve uninstall-serve convert install-convert uninstall-convert load faults demo demo-line demo-gx \
-    wheel deb bench coverage mutants figures fuzz clean help FORCE
+    install-serve uninstall-serve convert install-convert uninstall-convert load load-broker \
+    faults faults-outside demo demo-line demo-gx wheel deb bench coverage mutants figures fuzz clean help FORCE
 .DELETE_ON_ERROR:
 
 all: lib
@@ -299,6 +299,16 @@ load: serve ## measures what serving takes; ROBOTS, WATCHERS, STALLED and SECOND
 faults: ## has what goes wrong with robots and connections happen 20 times in a row
 	$(Q)DP_ROUNDS=20 $(CARGO) test $(QUIET) -p deltarobot-serve --test serve faults
 	@echo "faults: passed"
+
+load: load-broker
+load-broker: serve ## measures what a broker gets of PROGRAMS programs with ROBOTS robots each, for SECONDS; needs mosquitto
+	+$(Q)env $(ALL_SIZES:%=-u %) $(CLI_PROFILE) $(CARGO) bench $(QUIET) -p deltarobot-serve --bench broker --profile release \
+	    --target-dir $(CLI_DIR) -- $(abspath $(OUT))/deltarobot-serve
+
+faults: faults-outside
+faults-outside: ## kills the broker, the program and recorders, and fills the disk, 20 times in a row; needs mosquitto
+	$(Q)DP_ROUNDS=20 $(CARGO) test $(QUIET) -p deltarobot-serve --test outside faults
+	$(Q)DP_ROUNDS=20 $(CARGO) test $(QUIET) -p deltarobot-records --test records killed
 
 mutants: ## changes MUTANTS places of the code, one at a time, and tells which the tests miss; needs cargo-mutants
 	$(Q)env $(ALL_SIZES:%=-u %) MAKEFLAGS= MFLAGS= c_tests/mutants.sh $(MUTANTS) $(SEED) target/mutants

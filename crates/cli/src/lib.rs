@@ -52,7 +52,6 @@ pub mod words;
 
 pub use protocol::{Protocol, Spoken};
 pub use record::size;
-pub use screen::complain;
 pub use signals::{Signals, bear_size_limits};
 pub use source::CHUNK;
 

@@ -16,8 +16,9 @@ use std::time::Duration;
 
 use clap::Parser;
 use deltarobot_cli::port::positive_seconds;
+use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
-use deltarobot_cli::{Signals, Spoken, bear_size_limits, complain, size};
+use deltarobot_cli::{Signals, Spoken, bear_size_limits, size};
 
 use crate::rotation::Limits;
 use formats::{Format, Sink};

@@ -114,3 +114,64 @@ fn content(channel: Channel, json: &[u8]) -> Result<Content, String> {
     };
     Ok(Content::Bytes(time, from, bytes))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{End, Side, read};
+    use crate::channels::{Channel, Robot};
+    use crate::writer::Writer;
+
+    fn file() -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut writer = Writer::new(&mut bytes).unwrap();
+        let robot = Robot { name: "lab".into(), gap: None, is_dated: true };
+        for time in 0..3 {
+            writer.put(&robot, Channel::Bytes, time, br#"{"from":"host","bytes":"24 53"}"#).unwrap();
+            writer.put(&robot, Channel::Events, time, br#"{"event":"x"}"#).unwrap();
+            writer.flush().unwrap();
+        }
+        writer.finish().unwrap();
+        bytes
+    }
+
+    fn count(bytes: &[u8]) -> (usize, Option<End>) {
+        let mut count = 0;
+        let end = read(bytes, |message| {
+            assert_eq!(message.robot.name, "lab");
+            assert!(!matches!(&message.content, super::Content::Bytes(_, from, _) if *from != Side::Host));
+            count += 1;
+            Ok(())
+        });
+        (count, end.ok())
+    }
+
+    #[test]
+    fn each_beginning_of_a_file_is_read_up_to_its_last_chunk() {
+        let file = file();
+        assert_eq!(count(&file), (6, Some(End::Whole)));
+        let mut last = 0;
+        for length in 8..file.len() {
+            let (count, end) = count(&file[..length]);
+            assert!(end == Some(End::Unended) && count >= last && count % 2 == 0, "{length}: {count} {end:?}");
+            last = count;
+        }
+        assert_eq!(last, 6);
+    }
+
+    #[test]
+    fn whatever_is_in_a_file_reading_it_ends() {
+        let file = file();
+        for place in 0..file.len() {
+            for flip in [1, 0x80, 0xFF] {
+                let mut damaged = file.clone();
+                damaged[place] ^= flip;
+                let mut count = 0;
+                let _ = read(damaged.as_slice(), |_| {
+                    count += 1;
+                    Ok(())
+                });
+                assert!(count <= 6, "{place}: {count}");
+            }
+        }
+    }
+}

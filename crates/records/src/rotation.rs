@@ -76,12 +76,15 @@ impl Recorder {
         if self.open.is_some() { self.with_open(Writer::flush_if_due) } else { Ok(()) }
     }
 
+    /// Ends the chunk: what was put is in the file.
+    pub fn flush(&mut self) -> io::Result<()> {
+        if self.open.is_some() { self.with_open(Writer::flush) } else { Ok(()) }
+    }
+
     /// Ends the file.
     pub fn finish(&mut self) -> io::Result<()> {
         // What waits, first: behind that, only the index can fail.
-        if self.open.is_some() {
-            self.with_open(Writer::flush)?;
-        }
+        self.flush()?;
         let Some(Open { writer, file, .. }) = self.open.take() else { return Ok(()) };
         let sound = writer.sound();
         let result = writer.finish();

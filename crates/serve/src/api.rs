@@ -22,6 +22,7 @@ use serde::de::DeserializeOwned;
 use crate::fleet::Fleet;
 use crate::geometry::Geometry;
 use crate::http::Peer;
+use crate::outside::Outside;
 use crate::problem::{Kind, Problem};
 use crate::robot::Robot;
 use crate::security::Guard;
@@ -38,7 +39,7 @@ const BODY_MAX: usize = 64 << 10;
 const CLIENT_MAX: usize = 64;
 
 /// What all handlers need.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct App {
     /// The robots.
     pub(crate) fleet: Arc<Fleet>,
@@ -46,6 +47,8 @@ pub(crate) struct App {
     pub(crate) guard: Arc<Guard>,
     /// Paths that are traced.
     pub(crate) traces: Arc<Traces>,
+    /// The broker and the records.
+    pub(crate) outside: Arc<Outside>,
 }
 
 /// Everything that can be asked.
@@ -54,6 +57,7 @@ pub(crate) fn router(app: App) -> Router {
     Router::new()
         .route("/api/openapi.json", get(|| async { ([(header::CONTENT_TYPE, "application/json")], OPENAPI) }))
         .route("/api/robots", get(robots))
+        .route("/metrics", get(metrics))
         .route("/api/robots/{name}", get(robot))
         .route("/api/robots/{name}/home", post(motion::home))
         .route("/api/robots/{name}/move", post(motion::move_to))
@@ -74,6 +78,11 @@ pub(crate) fn router(app: App) -> Router {
         .with_state(app)
         .merge(station::router())
         .layer(from_fn_with_state(guard, Guard::check))
+}
+
+async fn metrics(State(app): State<App>) -> Response {
+    let page = crate::metrics::page(&app.fleet, &app.outside);
+    ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], page).into_response()
 }
 
 async fn robots(State(app): State<App>) -> Response {

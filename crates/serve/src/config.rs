@@ -18,6 +18,7 @@ use crate::complain;
 use crate::geometry::Geometry;
 use crate::robot::Settings;
 use crate::security::Guard;
+use crate::{mqtt, record};
 
 /// Robots of one program.
 const ROBOTS_MAX: usize = 1000;
@@ -42,6 +43,10 @@ pub(crate) struct File {
     pub(crate) tokens: Tokens,
     /// The robots.
     pub(crate) robots: BTreeMap<Name, Robot>,
+    /// A broker.
+    pub(crate) mqtt: Option<mqtt::Settings>,
+    /// Records.
+    pub(crate) record: Option<record::Settings>,
 }
 
 /// Files of tokens.
@@ -150,6 +155,10 @@ pub(crate) struct Config {
     pub(crate) robots: Vec<Settings>,
     /// Where programs get the bytes of their lines.
     pub(crate) raw: Vec<(Arc<str>, SocketAddr)>,
+    /// A broker.
+    pub(crate) mqtt: Option<mqtt::Settings>,
+    /// Records.
+    pub(crate) record: Option<record::Settings>,
 }
 
 /// A robot of which no more is said than its port.
@@ -209,7 +218,7 @@ impl File {
             let settings = robot.settings(name);
             robots.push(Settings { cancels_abandoned: settings.cancels_abandoned && !keep_moving, ..settings });
         }
-        Ok(Config { listen, guard, simulated: self.simulated, robots, raw })
+        Ok(Config { listen, guard, simulated: self.simulated, robots, raw, mqtt: self.mqtt, record: self.record })
     }
 }
 

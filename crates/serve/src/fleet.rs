@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
@@ -20,6 +21,10 @@ pub(crate) struct Fleet {
     pub(crate) robots: BTreeMap<Arc<str>, Arc<Robot>>,
     /// Events of all of them.
     pub(crate) all: All,
+    /// Connections that watch all of them.
+    pub(crate) watchers: AtomicU64,
+    /// Events that slow watchers have lost.
+    pub(crate) dropped: AtomicU64,
     /// Disconnected when all threads have ended.
     ended: std::sync::Mutex<mpsc::Receiver<()>>,
 }
@@ -27,7 +32,11 @@ pub(crate) struct Fleet {
 impl Fleet {
     /// Begins with all of them.
     pub(crate) fn start(robots: Vec<Settings>) -> io::Result<Self> {
-        let all = All { events: broadcast::Sender::new(KEPT_OF_ALL), messages: broadcast::Sender::new(KEPT_OF_ALL) };
+        let all = All {
+            events: broadcast::Sender::new(KEPT_OF_ALL),
+            messages: broadcast::Sender::new(KEPT_OF_ALL),
+            records: Arc::default(),
+        };
         let (ending, ended) = mpsc::channel();
         let robots = robots
             .into_iter()
@@ -36,7 +45,8 @@ impl Fleet {
                 Ok((Arc::clone(robot.name()), robot))
             })
             .collect::<io::Result<_>>()?;
-        Ok(Self { robots, all, ended: ended.into() })
+        let (watchers, dropped) = (AtomicU64::new(0), AtomicU64::new(0));
+        Ok(Self { robots, all, watchers, dropped, ended: ended.into() })
     }
 
     /// A robot.

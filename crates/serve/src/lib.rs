@@ -19,8 +19,12 @@ mod geometry;
 mod hostile;
 mod http;
 mod lease;
+mod metrics;
+mod mqtt;
+mod outside;
 mod problem;
 mod raw;
+mod record;
 mod robot;
 mod security;
 mod simulated;
@@ -47,6 +51,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use api::App;
 use config::{Config, File, Name};
 use fleet::Fleet;
+use outside::Outside;
 pub use ui::main as ui;
 
 /// Lets many programs watch robots, and one at a time drive each.
@@ -121,6 +126,7 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
 /// Goes on until a signal. `listening` gets the address of the page.
 fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) -> Result<Status, Failure> {
     raise_limit();
+    deltarobot_cli::bear_size_limits()?;
     let listener = listen(config.listen)?;
     let raw: Vec<_> =
         config.raw.iter().map(|(name, address)| Ok((name, listen(*address)?))).collect::<Result<_, Failure>>()?;
@@ -133,8 +139,10 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
     }
     let failed = |error| Failure::of_file("threads", &error);
     let fleet = Arc::new(Fleet::start(config.robots).map_err(failed)?);
-    let app = App { fleet: Arc::clone(&fleet), guard: Arc::new(config.guard), traces: Arc::default() };
     let runtime = Runtime::new().map_err(failed)?;
+    let outside = runtime.block_on(async { Outside::start(config.mqtt.as_ref(), config.record.as_ref(), &fleet) })?;
+    let (guard, traces) = (Arc::new(config.guard), Arc::default());
+    let app = App { fleet: Arc::clone(&fleet), guard, traces, outside: Arc::clone(&outside) };
     let result = runtime.block_on(async {
         let mut terminated = signal(SignalKind::terminate()).map_err(failed)?;
         let mut interrupted = signal(SignalKind::interrupt()).map_err(failed)?;
@@ -155,6 +163,7 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
     });
     // Whoever watches sees how that goes.
     fleet.end();
+    runtime.block_on(outside.end());
     runtime.shutdown_timeout(Duration::from_millis(100));
     result
 }

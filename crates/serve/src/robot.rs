@@ -24,6 +24,7 @@ use crate::geometry::Geometry;
 use crate::lease::{Lease, Leases, Wish};
 use crate::locked;
 use crate::problem::{Kind, Problem};
+use crate::record::Progress;
 use crate::state::{End, Operation, State};
 pub(crate) use order::{Command, Goal, Place};
 use order::{Order, Raw};
@@ -89,6 +90,8 @@ pub(crate) struct All {
     pub(crate) events: broadcast::Sender<Arc<Event>>,
     /// Messages on the lines.
     pub(crate) messages: broadcast::Sender<Arc<Event>>,
+    /// How recording goes.
+    pub(crate) records: Arc<Progress>,
 }
 
 /// What the thread has to do.

@@ -82,6 +82,7 @@ pub(crate) struct State {
     pub(crate) target: Option<[f32; 3]>,
     pub(crate) driver: Option<Driver>,
     pub(crate) health: Health,
+    pub(crate) record_error: Option<String>,
 }
 
 impl State {
@@ -106,6 +107,7 @@ impl State {
             target: None,
             driver: None,
             health: Health::default(),
+            record_error: None,
         }
     }
 

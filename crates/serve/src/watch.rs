@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, close_code};
@@ -72,8 +73,11 @@ impl Watch {
     /// Goes on until the client is gone.
     pub(crate) async fn run(self, mut socket: WebSocket) {
         let mut leases = Leases(Vec::new());
+        let of_all = u64::from(self.robot.is_none());
+        self.fleet.watchers.fetch_add(of_all, Ordering::Relaxed);
         // Whatever it was, the client is gone.
         let reason = self.follow(&mut socket, &mut leases).await.err().flatten();
+        self.fleet.watchers.fetch_sub(of_all, Ordering::Relaxed);
         drop(leases);
         if let Some(reason) = reason {
             let frame = CloseFrame { code: close_code::POLICY, reason: reason.into() };
@@ -102,10 +106,10 @@ impl Watch {
                 event = events.recv() => {
                     let is_old = |event: &Event| event.seq().is_some_and(|seq| Some(&seq) <= shown.get(&event.robot));
                     if !event.as_ref().is_ok_and(|event| is_old(event)) {
-                        pass(event, socket, leases).await?;
+                        self.pass(event, socket, leases).await?;
                     }
                 }
-                message = next_of(&mut messages) => pass(message, socket, leases).await?,
+                message = next_of(&mut messages) => self.pass(message, socket, leases).await?,
                 received = socket.recv() => {
                     heard = Instant::now();
                     match received {
@@ -125,6 +129,23 @@ impl Watch {
                     within(patience(leases), socket.send(Message::Ping(Vec::new().into()))).await?;
                 }
             }
+        }
+    }
+
+    /// An event, or how many were lost.
+    async fn pass(
+        &self,
+        event: Result<Arc<Event>, RecvError>,
+        socket: &mut WebSocket,
+        leases: &Leases,
+    ) -> Result<(), Option<&'static str>> {
+        match event {
+            Ok(event) => send(socket, event.json(), leases).await,
+            Err(RecvError::Lagged(count)) => {
+                self.fleet.dropped.fetch_add(count, Ordering::Relaxed);
+                send(socket, json!({ "type": "dropped", "count": count }).to_string().into(), leases).await
+            }
+            Err(RecvError::Closed) => Err(Some("the program ends")),
         }
     }
 
@@ -184,21 +205,6 @@ impl Watch {
                 }
             }
         }
-    }
-}
-
-/// An event, or how many were lost.
-async fn pass(
-    event: Result<Arc<Event>, RecvError>,
-    socket: &mut WebSocket,
-    leases: &Leases,
-) -> Result<(), Option<&'static str>> {
-    match event {
-        Ok(event) => send(socket, event.json(), leases).await,
-        Err(RecvError::Lagged(count)) => {
-            send(socket, json!({ "type": "dropped", "count": count }).to_string().into(), leases).await
-        }
-        Err(RecvError::Closed) => Err(Some("the program ends")),
     }
 }
 

@@ -34,6 +34,7 @@ impl View {
     pub(super) fn publish(&mut self) {
         self.state.seq += 1;
         self.state.time = stamp();
+        self.state.record_error = self.robot.all.records.error();
         let state = Arc::new(self.state.clone());
         self.robot.state.send_replace(Arc::clone(&state));
         self.tell(What::State(state));
