@@ -89,7 +89,8 @@ try_debian() {
     cc -o "$work/debian/consumer" -I "$work/debian/usr/include" c_tests/packaging/consumer.c -L "$lib" -ldeltarobot
     LD_LIBRARY_PATH=$lib prints "$work/debian/consumer"
     "$work/debian/usr/bin/deltarobot" decode 24 53 00 B1 3A >/dev/null
-    [ -f "$work/debian/usr/share/doc/libdeltarobot-doc/html/index.html" ] || fail "debian: no pages"
+    # Where Debian wants what a package has about another one.
+    [ -f "$work/debian/usr/share/doc/libdeltarobot-dev/html/index.html" ] || fail "debian: no pages"
 }
 
 # A wheel for Windows, which has the library; pip there takes it, and cffi knows the structs as C does there.
