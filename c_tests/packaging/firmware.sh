@@ -35,9 +35,9 @@ for board in mega:cpu=atmega2560=atmega2560 uno=atmega328p leonardo=atmega32u4; 
         "$package/examples/Controller/Controller.ino"
 done
 cc -std=gnu99 -O2 -o "$work/simavr_run" c_tests/firmware/simavr_run.c -lsimavr -lelf
-# Some requests are lost until the sketch has opened its port.
+# Requests are lost until the sketch has opened its port, and while it answers, as answers are longer.
 for _ in $(seq 2000); do printf '\044S\0\261:'; done |
-    timeout 300 "$work/simavr_run" atmega2560 "$work/arduino-mega/Controller.ino.elf" >"$work/answers"
+    timeout 300 "$work/simavr_run" atmega2560 "$work/arduino-mega/Controller.ino.elf" >"$work/answers" 2>"$work/log"
 grep -qaF "\$s$(printf '\020')" "$work/answers" || fail "the sketch does not answer"
 echo "arduino: Mega, Uno and Leonardo"
 
@@ -83,7 +83,8 @@ echo "cmake: the source tree"
 python3 -m venv "$work/venv"
 "$work/venv/bin/pip" --disable-pip-version-check install --quiet platformio scons
 (cd "$work" && PLATFORMIO_CORE_DIR=$work/pio quietly "$work/venv/bin/pio" pkg pack "$package" -o "$work/pio.tar.gz")
-tar tzf "$work/pio.tar.gz" | grep -q '^src/cortex-m4/fpv4-sp-d16-hard/libdeltarobot.a$' || fail "pio packs no archive"
+tar tzf "$work/pio.tar.gz" >"$work/packed"
+grep -qx 'src/cortex-m4/fpv4-sp-d16-hard/libdeltarobot.a' "$work/packed" || fail "pio packs no archive"
 cp c_tests/packaging/firmware/main.c "$work"
 cat >"$work/SConstruct" <<EOF
 env = Environment(tools=["gcc", "gnulink"], CC="avr-gcc", LINK="avr-gcc", CCFLAGS=["-mmcu=atmega2560"],

@@ -3,7 +3,8 @@
 # Environment: FIRMWARE_MCUS, the AVRs; the sizes in src/sizes.mk.
 set -eu
 
-out=$1 version=$2
+mkdir -p "$1"
+out=$(cd "$1" && pwd) version=$2
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."
 package=$out/libdeltarobot
