@@ -57,10 +57,10 @@ def declarations(include: Path) -> str:
     for header in ("stdint.h", "stddef.h"):  # cffi knows what they declare
         (stubs / header).write_text("")
     source = "".join(f'#include "libdeltarobot/{header}"\n' for header in HEADERS)
-    undefined = ["-U__GNUC__", "-U__clang__", "-U_WIN64"]
-    command = [os.environ.get("CC") or "cc", "-E", "-nostdinc", f"-I{include}", f"-I{stubs}", *undefined, "-xc", "-"]
+    macros = ["-U__GNUC__", "-U__clang__", "-D_WIN64" if platform() == "win_amd64" else "-U_WIN64"]
+    command = [os.environ.get("CC") or "cc", "-E", "-nostdinc", f"-I{include}", f"-I{stubs}", *macros, "-xc", "-"]
     run = lambda *flags: subprocess.run([*command, *flags], input=source, stdout=subprocess.PIPE, text=True, check=True)
-    text = run("-P", "-DLIBDELTAROBOT_WORD=size_t").stdout
+    text = run("-P").stdout
     # The plain names: those with the sizes are for programs that were compiled with the headers.
     text = re.sub(r"\b((?:dp|olp|gx)_[a-z0-9_]*?)(?:_\d+){2,4}(?= *\()", r"\1", text)
     text = re.sub(r"struct libdeltarobot_packing_of_\w+;", "", text)
