@@ -140,7 +140,7 @@ test('cancel while a thousand messages a second come in; unplugged and plugged',
   await page.click('#tab-traffic');
   const flood = controller.flood(1000);
   await drive(page);
-  for (let round = 0; round < 5; round += 1) {
+  for (let round = 0; round < 3; round += 1) {
     await move(page, [100, 100, 100]);
     await says(page, '#state', /MOVING/);
     await page.keyboard.press('Escape');
@@ -148,7 +148,7 @@ test('cancel while a thousand messages a second come in; unplugged and plugged',
     await says(page, '#state', /IDLE/);
     assert.equal(controller.state, 'idle');
   }
-  assert.ok(flood.sent > 2000, `${flood.sent} reports`);
+  assert.ok(flood.sent > 1000, `${flood.sent} reports`);
   flood.stop();
 
   await page.click('#traffic-pause');

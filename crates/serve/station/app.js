@@ -74,7 +74,7 @@ function show(robot) {
   by('playback').hidden = robot !== recorded.robot;
   if (robot === null) return;
   if (robot !== recorded.robot) robot.watch(showEntry);
-  update(robot);
+  render(robot);
   panel.changeKind();
 }
 
@@ -95,10 +95,21 @@ function route() {
   fleet.updateSoon(connection.robots.values());
 }
 
-/** Shows what a robot's state is now. @param {Robot} robot */
+let isDue = false;
+
+/** A robot's state is another: shown soon, however many states come. @param {Robot} robot */
 function update(robot) {
   fleet.updateSoon(connection.robots.values());
-  if (robot !== shown) return;
+  if (robot !== shown || isDue) return;
+  isDue = true;
+  setTimeout(() => {
+    isDue = false;
+    if (shown) render(shown);
+  }, 40);
+}
+
+/** Shows what a robot's state is now. @param {Robot} robot */
+function render(robot) {
   const { state } = robot;
   const geometry = JSON.stringify([state.machine, state.lengths]);
   if (geometry !== built) {

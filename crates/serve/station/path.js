@@ -178,9 +178,13 @@ export class PathPanel {
 
   run() {
     const { request } = this;
-    if (!request) return;
+    const running = this.robot();
+    if (!request || !running) return;
+    // Nothing of the run before is shown as if it were this one.
+    running.run = running.state.path = null;
     this.reached = [];
     this.draw();
+    this.update();
     this.act((robot) => robot.runPath(request()));
   }
 

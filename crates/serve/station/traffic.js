@@ -2,7 +2,7 @@
 import { by, input, make, say } from './dom.js';
 
 const KEPT = 2000;
-const SHOWN = 300;
+const SHOWN = 200;
 
 /** @typedef {{ time: number, from: string, text: string, bytes: string, bad: boolean }} Entry */
 
@@ -39,7 +39,7 @@ export class Traffic {
     setTimeout(() => {
       this.due = false;
       if (!this.paused) this.draw();
-    }, 200);
+    }, 400);
   }
 
   draw() {
