@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use tokio::sync::broadcast;
+use tokio::sync::{broadcast, watch};
 
 use crate::problem::{Kind, Problem};
 use crate::robot::{All, KEPT_OF_ALL, Robot, Settings, start};
@@ -25,6 +25,8 @@ pub(crate) struct Fleet {
     pub(crate) watchers: AtomicU64,
     /// Events that slow watchers have lost.
     pub(crate) dropped: AtomicU64,
+    /// Whether the program is over: who watches is told what has happened until then, and lets go of it.
+    pub(crate) is_over: watch::Sender<bool>,
     /// Disconnected when all threads have ended.
     ended: std::sync::Mutex<mpsc::Receiver<()>>,
 }
@@ -46,7 +48,8 @@ impl Fleet {
             })
             .collect::<io::Result<_>>()?;
         let (watchers, dropped) = (AtomicU64::new(0), AtomicU64::new(0));
-        Ok(Self { robots, all, watchers, dropped, ended: ended.into() })
+        let is_over = watch::Sender::new(false);
+        Ok(Self { robots, all, watchers, dropped, is_over, ended: ended.into() })
     }
 
     /// A robot.
@@ -59,5 +62,6 @@ impl Fleet {
         self.robots.values().for_each(|robot| robot.end());
         // Disconnected, or too late.
         let _ = crate::locked(&self.ended).recv_timeout(END_TIME);
+        self.is_over.send_replace(true);
     }
 }

@@ -54,6 +54,9 @@ use fleet::Fleet;
 use outside::Outside;
 pub use ui::main as ui;
 
+/// How long the end of the program waits for those who watch.
+const WATCHERS_TIME: Duration = Duration::from_secs(1);
+
 /// Lets many programs watch robots, and one at a time drive each.
 ///
 /// Listens for HTTP and WebSockets: /api/openapi.json describes them. Anybody who can connect may watch, and cancel.
@@ -164,6 +167,8 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
     // Whoever watches sees how that goes.
     fleet.end();
     runtime.block_on(outside.end());
+    // A watcher that reads nothing is not waited for.
+    let _ = runtime.block_on(async { tokio::time::timeout(WATCHERS_TIME, fleet.is_over.closed()).await });
     runtime.shutdown_timeout(Duration::from_millis(100));
     result
 }

@@ -99,6 +99,7 @@ impl Watch {
             let event = Event::new(Arc::clone(robot.name()), What::State(state));
             send(socket, event.json(), leases).await?;
         }
+        let mut is_over = self.fleet.is_over.subscribe();
         let mut pings = interval(PING);
         let mut heard = Instant::now();
         loop {
@@ -121,6 +122,12 @@ impl Watch {
                         Some(Ok(Message::Binary(_))) => return Err(Some("messages are text")),
                         Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(None),
                     }
+                }
+                () = async { drop(is_over.wait_for(|is_over| *is_over).await) } => {
+                    while let Ok(event) = events.try_recv() {
+                        pass(Ok(event), socket, leases).await?;
+                    }
+                    return Err(Some("the program ends"));
                 }
                 _ = pings.tick() => {
                     if heard.elapsed() > patience(leases) {
