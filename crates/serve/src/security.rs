@@ -4,7 +4,7 @@
 //! be one of ours; and what name it has reached this program by in `Host`: another name than ours is one that was made
 //! to lead here (DNS rebinding). Addresses can't be, so they are all allowed.
 
-use std::net::IpAddr;
+use std::net::{Ipv4Addr, Ipv6Addr};
 use std::sync::Arc;
 
 use axum::extract::{Request, State};
@@ -70,8 +70,8 @@ impl Guard {
             Some((name, port)) if !port.contains(']') => name,
             _ => host,
         };
-        let bare = name.trim_start_matches('[').trim_end_matches(']');
-        bare.parse::<IpAddr>().is_ok()
+        let in_brackets = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
+        in_brackets.map_or_else(|| name.parse::<Ipv4Addr>().is_ok(), |name| name.parse::<Ipv6Addr>().is_ok())
             || name.eq_ignore_ascii_case("localhost")
             || self.hosts.iter().any(|host| host.eq_ignore_ascii_case(name))
     }

@@ -125,7 +125,7 @@ impl Watch {
                 }
                 () = async { drop(is_over.wait_for(|is_over| *is_over).await) } => {
                     while let Ok(event) = events.try_recv() {
-                        pass(Ok(event), socket, leases).await?;
+                        self.pass(Ok(event), socket, leases).await?;
                     }
                     return Err(Some("the program ends"));
                 }
