@@ -103,8 +103,10 @@ try_wheel() {
     quietly pip download --no-deps --no-index --find-links "$work/wheel" --platform win_amd64 --only-binary=:all: \
         -d "$work/wheel/taken" deltarobot
     python3 -m zipfile -e "$work"/wheel/taken/*.whl "$work/wheel/content"
-    [ -f "$work/wheel/content/deltarobot/deltarobot.dll" ] || fail "wheel: no .dll"
-    (cd "$work/wheel/content/deltarobot" && python -c '
+    local library
+    library=$(find "$work/wheel/content" -name deltarobot.dll)
+    [ -n "$library" ] || fail "wheel: no .dll"
+    (cd "${library%/*}" && python -c '
 from _abi import ffi
 
 for header in "host", "line_protocol", "gx":
