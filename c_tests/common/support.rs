@@ -491,22 +491,6 @@ pub(crate) fn has_tool(name: &str, harmless_argument: &str) -> bool {
     runs || is_missing(name)
 }
 
-/// The Python that has this module, of an environment below target/ or the system's: `None` after saying so.
-pub(crate) fn has_python_module(module: &str) -> Option<PathBuf> {
-    let of_ci = root().join("target/python/bin/python3");
-    let mut pythons = [of_ci, "python3".into()].into_iter();
-    let has = |python: &PathBuf| {
-        let mut command = Command::new(python);
-        command.args(["-c", &format!("import {module}")]).stdout(Stdio::null()).stderr(Stdio::null());
-        command.status().is_ok_and(|status| status.success())
-    };
-    let found = pythons.find(has);
-    if found.is_none() {
-        is_missing(&format!("Python's module {module}"));
-    }
-    found
-}
-
 /// Whether C++ programs find Eigen.
 pub(crate) fn has_eigen() -> bool {
     static FOUND: LazyLock<bool> = LazyLock::new(|| {

@@ -1,7 +1,7 @@
 //! What the mcap package of Python reads.
 
 use super::*;
-use crate::support::{has_python_module, root};
+use crate::support::{is_missing, root};
 
 const SCRIPT: &str = "
 import json, sys
@@ -48,4 +48,20 @@ fn a_file_and_a_part_of_one() {
     let index = whole.windows(5).rposition(|window| window == b"/lab/").unwrap();
     fs::write(&part, &whole[..index]).unwrap();
     assert_eq!(read(&part, "part").unwrap(), lines);
+}
+
+/// The Python that has this module, of an environment below target/ or the system's: `None` after saying so.
+fn has_python_module(module: &str) -> Option<PathBuf> {
+    let of_ci = root().join("target/python/bin/python3");
+    let mut pythons = [of_ci, "python3".into()].into_iter();
+    let has = |python: &PathBuf| {
+        let mut command = Command::new(python);
+        command.args(["-c", &format!("import {module}")]).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    let found = pythons.find(has);
+    if found.is_none() {
+        is_missing(&format!("Python's module {module}"));
+    }
+    found
 }

@@ -1,6 +1,13 @@
 //! The station in a real browser: builds nothing itself, and runs the tests of this directory against the program.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that can't go on fails")]
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test that can't go on fails"
+)]
 
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]

@@ -56,7 +56,7 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
 
 fn read(path: &Path) -> Result<Geometry, Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| Failure::of_file(path.display(), &error))?;
-    let machine = Machine::read(&text).map_err(|error| Failure::of(path.display(), &error.to_string()))?;
+    let machine = Machine::read(&text).map_err(|error| Failure::of(path.display(), error.to_string()))?;
     Ok(Geometry::of(&machine))
 }
 

@@ -4,7 +4,9 @@ use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use deltarobot_cli::path::{Format, Machine, Placement, Plane, Prepared, Runner, Waypoint, prepare, prepare_points};
+use deltarobot_cli::path::{
+    Format, Machine, Placement, Plane, Prepared, Runner, Unreachable, Waypoint, prepare, prepare_points,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -125,9 +127,9 @@ fn checked(prepared: &Prepared) -> Value {
         extend(&mut strokes, if point.is_drawing { "wanted" } else { "travel" }, point.at);
     }
     strokes.extend(plan.unreachable.iter().map(|part| Stroke { kind: "unreachable", points: part.points.clone() }));
-    json!({ "targets": plan.targets.len(), "length": plan.drawn, "strokes": strokes, "unreachable": Vec::from_iter(
-        plan.unreachable.iter().map(|part| json!({ "lines": part.lines, "reason": part.reason.to_string() })),
-    ) })
+    let told = |part: &Unreachable| json!({ "lines": part.lines, "reason": part.reason.to_string() });
+    let unreachable: Vec<_> = plan.unreachable.iter().map(told).collect();
+    json!({ "targets": plan.targets.len(), "length": plan.drawn, "strokes": strokes, "unreachable": unreachable })
 }
 
 /// A polyline.
