@@ -155,5 +155,5 @@ export class Connection {
 
 /** @param {number} time @param {{ from: string | null, text: string, bytes: string, json: Record<string, unknown> }} message */
 export function trafficOf(time, { from, text, bytes, json }) {
-  return { time, from: from ?? '', text, bytes: bytes.toUpperCase().replace(/(..)(?=.)/g, '$1 '), bad: 'garbage' in json };
+  return { time, from: from ?? '', text, bytes, bad: 'garbage' in json };
 }
