@@ -130,9 +130,9 @@ else
                 -I "$lib/include" -Wl,--gc-sections -o "$out/bench/$1.elf" $board "$tests/bench.c" \
                 "$out/bench/small.o" "$out/bench/fast.o" "$lib/libdeltarobot.a"
         }
+        # shellcheck disable=SC2046 # a command line
         case $1 in
             avr-none) lines "$out/simavr_run" "$mcu" "$out/bench/$1.elf" mute ;;
-            # shellcheck disable=SC2046 # a command line
             *) lines $(qemu "$cpu" "$out/bench/$1.elf" -icount shift=0 -semihosting-config enable=on,target=native) ;;
         esac
     }
