@@ -109,6 +109,7 @@ int main(void)
     MEASURE("empty lines:                   ", "\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n");
     MEASURE("lines of a byte:               ", "c\nc\nc\nc\nc\nc\nc\nc\n");
     put("done\n");
+    cli();
     for (;;)
-        ;
+        __asm__ volatile("sleep");
 }
