@@ -50,6 +50,7 @@ mod tap;
 pub mod wait;
 pub mod words;
 
+pub use operation::driver::session_settings;
 pub use protocol::{Protocol, Spoken};
 pub use record::size;
 pub use signals::{Signals, bear_size_limits};

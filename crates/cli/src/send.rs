@@ -24,7 +24,7 @@ const READY_TIME: Duration = Duration::from_secs(30);
     after_help = "With --protocol line a command is the beginning of a line, such as `c=setswitch&state=1`: `t`, `id` \
     and, where it is in force, the checksum are added. One follows the other. With --protocol gx it is a move in \
     ASCII, such as `V1000x400y300`; several are under way at a time, and when one fails, those behind it are dropped; \
-    Ctrl-C stops the machine. `hold`, `resume`, `stop` and `query` stand alone: they stop for now, go on, stop and \
+    Ctrl-C stops the machine. `hold`, `resume`, `stop` and `query` stand alone: they pause, go on, stop and \
     forget all moves, and ask how much room there is, if the machine knows these extensions."
 )]
 pub(crate) struct Arguments {

@@ -90,16 +90,17 @@ impl Geometry {
 
     /// What paths are planned for: arms without limits can't be checked.
     pub(crate) fn machine(&self) -> Result<Machine, Problem> {
+        let impossible = |text: &str| Problem::new(Kind::Impossible, text);
         let arm = |arm: &Arm| {
             let (min, max) = arm.min.zip(arm.max).ok_or_else(|| {
                 Problem::new(Kind::Impossible, "paths need the least and the largest displacement of each arm")
             })?;
             let [scale, offset, min, max] = [arm.scale, arm.offset, min, max].map(f64::from);
-            Ok(path::Arm { scale, offset, min, max })
+            path::Arm::new(scale, offset, min, max).map_err(impossible)
         };
-        let ([a1, a2, a3], [a, b, c]) = (self.joints, &self.arms);
+        let [a, b, c] = &self.arms;
         let arms = path::Arms { a: arm(a)?, b: arm(b)?, c: arm(c)? };
-        Ok(Machine { a1, a2, a3, edge: self.edge, offset: self.offset, arms })
+        Machine::new(self.joints, self.edge, self.offset, arms).map_err(impossible)
     }
 
     const fn measures(&self) -> kinematics::Geometry {
@@ -110,4 +111,27 @@ impl Geometry {
 #[expect(clippy::cast_possible_truncation, reason = "it rounds")]
 const fn single(number: f64) -> f32 {
     number as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arm, Geometry};
+
+    #[test]
+    fn paths_are_planned_for_machines_that_make_sense() {
+        let arm = Arm { min: Some(0.0), max: Some(300.0), ..Arm::default() };
+        let joints = [[0.12, 0.0, 0.10], [0.38, 0.0, 0.25], [0.12, 0.0, 0.40]];
+        let good = Geometry { joints, edge: 0.15, offset: 0.08, arms: [arm; 3] };
+        assert!(good.check().is_ok() && good.machine().is_ok());
+        let [a1, _, a3] = joints;
+        let in_line = [a1, [0.12, 0.0, 0.25], a3];
+        for bad in [
+            Geometry { joints: in_line, ..good.clone() },
+            Geometry { edge: -0.15, ..good.clone() },
+            Geometry { arms: [Arm { scale: 1e-20, ..arm }; 3], ..good.clone() },
+            Geometry { arms: [Arm { max: None, ..arm }; 3], ..good.clone() },
+        ] {
+            assert!(bad.check().is_ok() && bad.machine().is_err(), "{bad:?}");
+        }
+    }
 }

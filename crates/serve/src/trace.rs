@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use deltarobot_cli::path::{Runner, Step};
+use deltarobot_cli::path::{Errors, Runner, Step};
 use serde::Serialize;
 use tokio::sync::Notify;
 
@@ -26,13 +26,6 @@ pub(crate) enum Doing {
     Finished,
     Cancelled,
     Failed,
-}
-
-/// Distances between targets and where the platform stood, in the geometry's unit.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Errors {
-    mean: f64,
-    max: f64,
 }
 
 /// How far a run is; openapi.json describes it.
@@ -57,7 +50,6 @@ struct Trace {
     word: String,
     robot: Arc<Robot>,
     runner: Mutex<Runner>,
-    is_paused: Mutex<bool>,
     resumed: Notify,
 }
 
@@ -70,7 +62,6 @@ impl Traces {
             word: word.to_owned(),
             robot: Arc::clone(robot),
             runner: runner.into(),
-            is_paused: false.into(),
             resumed: Notify::new(),
         });
         let name = Arc::clone(robot.name());
@@ -96,7 +87,10 @@ impl Traces {
         robot.leases.holder(word)?;
         let trace = locked(&self.0).get(robot.name()).cloned();
         let trace = trace.ok_or_else(|| Problem::new(Kind::Impossible, "it traces no path"))?;
-        *locked(&trace.is_paused) = pauses;
+        {
+            let mut runner = locked(&trace.runner);
+            if pauses { runner.pause() } else { runner.resume() }
+        }
         trace.resumed.notify_one();
         Ok(())
     }
@@ -112,7 +106,14 @@ impl Trace {
                 return (Doing::Cancelled, String::new());
             }
             let step = locked(&self.runner).step();
-            let Step::Move(target) = step else { return (Doing::Finished, String::new()) };
+            let target = match step {
+                Step::Move(target) => target,
+                Step::Finished => return (Doing::Finished, String::new()),
+                Step::Paused => match self.robot.leases.holder(&self.word) {
+                    Ok(_) => continue,
+                    Err(problem) => return (Doing::Failed, problem.detail),
+                },
+            };
             let goal = Goal { place: Place::Displacements(target.displacements), is_relative: false };
             let motion = match self.robot.begin(Command::Move(goal), &self.word, None).await {
                 Ok(motion) => motion,
@@ -144,11 +145,11 @@ impl Trace {
         }
     }
 
-    /// Returns how long that was. Ends when nobody drives any more, which the next move finds out.
+    /// Returns how long that was. Ends when it was cancelled, or its driver is gone, too.
     async fn wait_while_paused(&self, cancels: u64, since: Instant) -> Duration {
         let paused = Instant::now();
         let mut was_told = false;
-        while *locked(&self.is_paused)
+        while locked(&self.runner).step() == Step::Paused
             && self.robot.cancels() == cancels
             && self.robot.leases.holder(&self.word).is_ok()
         {
@@ -173,7 +174,7 @@ impl Trace {
             done: progress.done,
             total: progress.all,
             left: left.map(|left| left.as_secs_f64()),
-            error: runner.errors().map(|errors| Errors { mean: errors.mean, max: errors.max }),
+            error: runner.errors(),
             message,
         }
     }

@@ -70,25 +70,37 @@ impl Timing {
     fn settings(&self, device: &Device) -> Settings {
         let ms = |time: f64| (time * 1000.0).ceil() as u32;
         let mut answer_ms = self.answer_time.map_or_else(|| ms(device.answer_time().as_secs_f64()), ms);
-        let mut settings = Settings { attempts: self.attempts.unwrap_or(4).into(), ..Settings::default() };
-        if let Some(timeout) = self.timeout.map(ms) {
-            settings.operation_ms = timeout;
-            settings.silence_ms = timeout;
-            if self.attempts.is_none() {
-                answer_ms = answer_ms.max(timeout.div_ceil(255));
-                settings.attempts = timeout.div_ceil(answer_ms).try_into().unwrap_or(255);
-            }
+        let mut attempts = self.attempts.unwrap_or(4);
+        let timeout = self.timeout.map(ms);
+        if let (Some(timeout), None) = (timeout, self.attempts) {
+            answer_ms = answer_ms.max(timeout.div_ceil(255));
+            attempts = timeout.div_ceil(answer_ms).try_into().unwrap_or(255);
         }
-        settings.ack_ms = answer_ms;
-        settings.guard_ms = (2 * answer_ms).max(500);
-        settings.silence_ms = settings.silence_ms.max(4 * answer_ms).max(3000);
-        settings.gap_ms = ms(device.gap().as_secs_f64());
+        let mut settings = session_settings(device, Duration::from_millis(answer_ms.into()));
+        settings.attempts = attempts.into();
+        if let Some(timeout) = timeout {
+            settings.operation_ms = timeout;
+            settings.silence_ms = settings.silence_ms.max(timeout);
+        }
         settings.layout = match self.layout {
             Reports::Auto => Layout::Auto,
             Reports::Spec => Layout::Spec,
             Reports::Firmware => Layout::Firmware,
         } as _;
         settings
+    }
+}
+
+/// Those of a session at this port, when an answer may take so long.
+pub fn session_settings(device: &Device, answer: Duration) -> Settings {
+    let ms = |time: Duration| u32::try_from(time.as_micros().div_ceil(1000)).unwrap_or(u32::MAX);
+    let ack_ms = ms(answer);
+    Settings {
+        ack_ms,
+        guard_ms: ack_ms.saturating_mul(2).max(500),
+        silence_ms: ack_ms.saturating_mul(4).max(3000),
+        gap_ms: ms(device.gap()),
+        ..Settings::default()
     }
 }
 

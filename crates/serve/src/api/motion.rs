@@ -13,7 +13,7 @@ use super::{App, Name, body, check_client};
 use crate::http::Peer;
 use crate::lease::Wish;
 use crate::problem::{Kind, Problem};
-use crate::robot::{Command, Goal, Place};
+use crate::robot::{Command, Goal};
 
 /// The header that has the word of a lease.
 const LEASE: &str = "deltarobot-lease";
@@ -42,12 +42,7 @@ pub(crate) struct MoveRequest {
 impl MoveRequest {
     /// Where to.
     pub(crate) fn goal(&self) -> Result<Goal, Problem> {
-        let place = match (self.displacements, self.position) {
-            (Some(displacements), None) => Place::Displacements(displacements),
-            (None, Some(position)) => Place::Position(position),
-            _ => return Err(Problem::new(Kind::Malformed, "either `displacements` or `position` is needed")),
-        };
-        Ok(Goal { place, is_relative: self.relative })
+        Goal::new(self.displacements, self.position, self.relative)
     }
 }
 

@@ -21,7 +21,7 @@ use super::publisher::is_json;
 use super::{Mqtt, lost};
 use crate::locked;
 use crate::problem::{Kind, Problem};
-use crate::robot::{Command, Goal, Place, Robot};
+use crate::robot::{Command, Goal, Robot};
 
 /// Commands that are being carried out.
 const RUNNING_MAX: usize = 1000;
@@ -123,9 +123,9 @@ impl Commands {
         let command = match (word, payload.displacements, payload.position) {
             ("cancel", None, None) => None,
             ("home", None, None) => Some(Command::Home),
-            ("move", Some(place), None) => Some(goal(Place::Displacements(place), payload.relative)),
-            ("move", None, Some(place)) => Some(goal(Place::Position(place), payload.relative)),
-            ("move", ..) => return refused(Kind::Malformed, "either `displacements` or `position` is needed"),
+            ("move", displacements, position) => {
+                Some(Command::Move(Goal::new(displacements, position, payload.relative)?))
+            }
             ("cancel" | "home", ..) => return refused(Kind::Malformed, "that takes no place"),
             _ => return refused(Kind::NotFound, "commands are home, move and cancel"),
         };
@@ -183,10 +183,6 @@ impl Commands {
             let _ = tokio::time::timeout(Duration::from_secs(10), sent).await;
         }
     }
-}
-
-const fn goal(place: Place, is_relative: bool) -> Command {
-    Command::Move(Goal { place, is_relative })
 }
 
 /// Until when a motion may begin.

@@ -39,6 +39,20 @@ pub(crate) enum Place {
 }
 
 impl Goal {
+    /// Of a request, which names one of both places.
+    pub(crate) fn new(
+        displacements: Option<[f32; 3]>,
+        position: Option<[f32; 3]>,
+        is_relative: bool,
+    ) -> Result<Self, Problem> {
+        let place = match (displacements, position) {
+            (Some(displacements), None) => Place::Displacements(displacements),
+            (None, Some(position)) => Place::Position(position),
+            _ => return Err(Problem::new(Kind::Malformed, "either `displacements` or `position` is needed")),
+        };
+        Ok(Self { place, is_relative })
+    }
+
     /// The displacements there.
     pub(super) fn resolve(&self, state: &State) -> Result<[f32; 3], Problem> {
         let impossible = |text: &str| Problem::new(Kind::Impossible, text);

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use deltarobot_cli::clock::{Clock, SLICE};
 use deltarobot_cli::port::Device;
 use deltarobot_cli::recording::Side;
+use deltarobot_cli::session_settings;
 use deltarobot_cli::status::Failure;
 use deltarobot_protocols::deltarobot::host::{self, Event, Health, Outcome, REQUEST_MAX};
 use deltarobot_protocols::deltarobot::{Opcode, Position, receiver_room};
@@ -288,17 +289,10 @@ fn wait_for_both(device: &Device, woken: &UnixStream, time: Duration) -> Result<
     Ok((device, woken))
 }
 
-/// As `deltarobot move` has them.
 fn settings(robot: &Settings, device: &Device) -> host::Settings {
-    let ms = |time: Duration| u32::try_from(time.as_millis()).unwrap_or(u32::MAX);
-    let ack_ms = ms(robot.answer_time.unwrap_or_else(|| device.answer_time()));
     host::Settings {
-        ack_ms,
-        guard_ms: ack_ms.saturating_mul(2).max(500),
-        silence_ms: ack_ms.saturating_mul(4).max(3000),
-        operation_ms: robot.timeout.map_or(0, ms),
-        gap_ms: ms(device.gap()),
+        operation_ms: robot.timeout.map_or(0, |timeout| u32::try_from(timeout.as_millis()).unwrap_or(u32::MAX)),
         layout: robot.layout as u8,
-        ..host::Settings::default()
+        ..session_settings(device, robot.answer_time.unwrap_or_else(|| device.answer_time()))
     }
 }
