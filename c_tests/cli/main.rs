@@ -25,6 +25,9 @@ mod screens;
 mod send;
 mod sessions;
 mod signals;
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "../common/steps.rs"]
+mod steps;
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]
 mod support;
@@ -39,6 +42,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::steps::{PATIENCE, until, utf8};
 use crate::support::{DEFAULT, Library, Mode, Program, build, command, has_tool, is_missing, out_dir, root, run, text};
 
 const FINISHED: i32 = 0;
@@ -47,9 +51,6 @@ const USAGE: i32 = 2;
 const DEVICE: i32 = 3;
 const TIMED_OUT: i32 = 4;
 const CANCELLED: i32 = 5;
-
-/// What has not come by then won't come, however slow the machine.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The program under test; DP_CLI names another, such as an older one, on which tests of faults should fail.
 fn program() -> PathBuf {
@@ -148,19 +149,6 @@ fn fresh(name: &str) -> PathBuf {
     let path = out_dir().join(name);
     let _ = fs::remove_file(&path);
     path
-}
-
-fn utf8(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-/// Waits until that is so.
-fn until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let began = Instant::now();
-    while !is_so() {
-        assert!(began.elapsed() < PATIENCE, "{what}");
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 mod requests {

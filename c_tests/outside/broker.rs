@@ -41,7 +41,7 @@ impl Broker {
         let mut command = Command::new(mosquitto());
         command.arg("-c").arg(settings).stdout(Stdio::null()).stderr(Stdio::null());
         let child = command.spawn().unwrap();
-        until("the broker listens", || TcpStream::connect(("127.0.0.1", port)).ok());
+        found("the broker listens", || TcpStream::connect(("127.0.0.1", port)).ok());
         child
     }
 

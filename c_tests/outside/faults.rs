@@ -12,7 +12,7 @@ fn broker_killed_and_back() {
     let server = Server::start(&broker.settings("commands = true"));
     let is_up = || server.metric("deltarobot_mqtt_up") > 0;
     for round in 0..rounds() {
-        until("it is connected", || is_up().then_some(()));
+        found("it is connected", || is_up().then_some(()));
         let listener = Listener::new(broker.port, &["deltarobot/#", "answers"]);
         listener.hear_on("deltarobot/sim1/state", |json| json["link"] == "up" && json["state"] == "idle");
         assert_eq!(listener.ask("home", "", Some(60))["outcome"], "finished");
@@ -23,14 +23,14 @@ fn broker_killed_and_back() {
         broker.kill();
         let operation = moving["operation"]["id"].as_u64().unwrap();
         let state = || -> serde_json::Value { serde_json::from_str(&server.get("/api/robots/sim1")).unwrap() };
-        until("it is cancelled", || {
+        found("it is cancelled", || {
             let state = state();
             assert_eq!(state["operation"]["id"].as_u64(), Some(operation), "nothing else was begun: {state}");
             (state["operation"]["outcome"] == "cancelled" && state["state"] == "idle").then_some(())
         });
         // What a sender that does not know of this sends now never gets through: its broker is not there.
         broker.again();
-        until("it is connected again", || is_up().then_some(()));
+        found("it is connected again", || is_up().then_some(()));
         let listener = Listener::new(broker.port, &["deltarobot/#"]);
         let state = listener.hear_on("deltarobot/sim1/state", |json| json["state"] == "idle");
         assert_eq!(state["operation"]["id"].as_u64(), Some(operation), "nothing was begun late: {state}");
@@ -45,7 +45,7 @@ fn killed_while_recording() {
     for _ in 0..rounds() {
         let directory = empty("killed");
         let server = Server::start(&settings(&directory, ""));
-        until("a chunk is there", || (server.metric("deltarobot_record_bytes_total") > 1000).then_some(()));
+        found("a chunk is there", || (server.metric("deltarobot_record_bytes_total") > 1000).then_some(()));
         server.signal("KILL");
         drop(server);
         let (table, complaint) = table(&files(&directory)[0]);
@@ -65,21 +65,21 @@ fn disk_full_and_room_again() {
         let mut command = Command::new("sh");
         command.args(["-c", "ulimit -S -f 32; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_deltarobot-serve")]);
         let server = Server::start_by(command, &settings(&directory, ""));
-        until("it is full", || (server.metric("deltarobot_record_up") < 1).then_some(()));
+        found("it is full", || (server.metric("deltarobot_record_up") < 1).then_some(()));
         assert!(server.said().contains("records: File too large"), "{}", server.said());
         // Another file is begun from time to time, which is full as well.
         let says = |word: &str| server.get("/api/robots/sim1").contains(word);
-        until("the state says it", || says("File too large").then_some(()));
+        found("the state says it", || says("File too large").then_some(()));
         // Everything else goes on.
         let frames = || server.metric("deltarobot_frames_total{robot=\"sim1\"}");
         let before = frames();
-        until("the robot is heard", || (frames() > before).then_some(()));
+        found("the robot is heard", || (frames() > before).then_some(()));
         let id = server.child.id().to_string();
         let status = Command::new("prlimit").args(["--pid", &id, "--fsize=unlimited:"]).status().unwrap();
         assert!(status.success());
-        until("it goes on", || (server.metric("deltarobot_record_up") > 0).then_some(()));
+        found("it goes on", || (server.metric("deltarobot_record_up") > 0).then_some(()));
         assert!(server.metric("deltarobot_record_lost_total") > 0);
-        until("the state does not say it any more", || (!says("File too large")).then_some(()));
+        found("the state does not say it any more", || (!says("File too large")).then_some(()));
         assert_eq!(server.end(), Some(0));
         let files = files(&directory);
         assert!(files.len() >= 2, "{files:?}");

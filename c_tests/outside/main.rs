@@ -17,6 +17,9 @@ mod mqtt;
 #[path = "../common/programs_built.rs"]
 mod programs_built;
 mod records;
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "../common/steps.rs"]
+mod steps;
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]
 mod support;
@@ -30,10 +33,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::steps::{PATIENCE, found, utf8};
 use crate::support::out_dir;
-
-/// What has not come by then won't come, however slow the machine.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The program, with a robot that is simulated.
 struct Server {
@@ -118,22 +119,6 @@ fn empty(name: &str) -> PathBuf {
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).unwrap();
     path
-}
-
-fn utf8(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-/// Waits until there is something.
-fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    let began = Instant::now();
-    while began.elapsed() < PATIENCE {
-        if let Some(found) = look() {
-            return found;
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    panic!("in vain: {what}");
 }
 
 /// How often faults are repeated: `make faults` says more.

@@ -8,7 +8,7 @@ use crate::support::{has_tool, run, text};
 fn states_are_retained() {
     let Some(broker) = Broker::start() else { return };
     let server = Server::start(&broker.settings("commands = true"));
-    until("it is connected", || (server.metric("deltarobot_mqtt_up") > 0).then_some(()));
+    found("it is connected", || (server.metric("deltarobot_mqtt_up") > 0).then_some(()));
     let first = Listener::new(broker.port, &["deltarobot/#"]);
     first.hear_on("deltarobot/sim1/state", |json| json["link"] == "up" && json["state"] == "idle");
     assert_eq!(first.hear_on("deltarobot/sim1/health", |_| true)["garbage_bytes"], 0);
@@ -49,7 +49,7 @@ fn a_wrong_password_is_said_clearly() {
     fs::write(&password, "wrong\n").unwrap();
     let more = format!("user = \"robot\"\npassword_file = \"{}\"", utf8(&password));
     let server = Server::start(&broker.settings(&more));
-    until("it is said", || server.said().contains("mqtt: the broker refuses this user or password").then_some(()));
+    found("it is said", || server.said().contains("mqtt: the broker refuses this user or password").then_some(()));
     assert!(!server.said().contains("wrong"), "{}", server.said());
     assert_eq!(server.metric("deltarobot_mqtt_up"), 0);
     // The robots are there all the same.

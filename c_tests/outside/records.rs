@@ -31,7 +31,7 @@ fn has_record(server: &Server) -> Option<()> {
 fn are_closed_when_the_program_is_terminated() {
     let directory = empty("closed");
     let server = Server::start(&settings(&directory, ""));
-    until("something is recorded", || has_record(&server));
+    found("something is recorded", || has_record(&server));
     assert_eq!(server.end(), Some(0));
     let files = files(&directory);
     let (table, complaint) = table(&files[0]);
@@ -50,7 +50,7 @@ fn are_rotated() {
         output.stderr.is_empty() && String::from_utf8_lossy(&output.stdout).contains(",sim1,host,")
     };
     // The last is still written, and one that was short may have no bytes.
-    until("two are whole", || {
+    found("two are whole", || {
         (files(&directory).iter().rev().skip(1).filter(|file| is_whole(file)).count() >= 2).then_some(())
     });
     assert_eq!(server.end(), Some(0));

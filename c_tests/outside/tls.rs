@@ -36,15 +36,15 @@ fn whom_the_authority_vouches_for_is_trusted_and_nobody_else() {
     let Some(broker) = Broker::with(&lines) else { return };
     let settings = |more: &str| format!("[mqtt]\nurl = \"mqtts://localhost:{}\"\n{more}\n", broker.port);
     let trusting = Server::start(&settings(&format!("ca_file = \"{}\"", path("ca.pem"))));
-    until("it is connected", || (trusting.metric("deltarobot_mqtt_up") > 0).then_some(()));
+    found("it is connected", || (trusting.metric("deltarobot_mqtt_up") > 0).then_some(()));
 
     let other = empty("tls-other");
     certificates(&other);
     let doubting = Server::start(&settings(&format!("ca_file = \"{}\"", utf8(&other.join("ca.pem")))));
-    until("it is said", || doubting.said().contains("certificate").then_some(()));
+    found("it is said", || doubting.said().contains("certificate").then_some(()));
     assert_eq!(doubting.metric("deltarobot_mqtt_connections_total"), 0);
     // And of another name than the certificate's.
     let misled =
         Server::start(&settings(&format!("ca_file = \"{}\"", path("ca.pem"))).replace("localhost", "127.0.0.1"));
-    until("it is said", || misled.said().contains("certificate").then_some(()));
+    found("it is said", || misled.said().contains("certificate").then_some(()));
 }

@@ -432,7 +432,8 @@ fn cmake_installs_what_make_installs() {
 /// The package that cargo makes holds the whole tree, so that what resolves here resolves there.
 #[test]
 fn links_in_the_documentation_lead_somewhere() {
-    let pages = files(&root().join("docs")).into_iter().filter(|file| file.ends_with(".md"));
+    let pages =
+        files(&root().join("docs")).into_iter().filter(|file| Path::new(file).extension().is_some_and(|it| it == "md"));
     let docs = pages.map(|page| format!("docs/{page}"));
     for page in docs.chain(["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(String::from)) {
         let path = root().join(page);

@@ -15,6 +15,9 @@ mod killed;
 mod programs_built;
 mod python;
 mod record;
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "../common/steps.rs"]
+mod steps;
 #[allow(dead_code, reason = "the tests of the library use the rest")]
 #[path = "../common/support.rs"]
 mod support;
@@ -23,17 +26,14 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 use crate::programs_built::program;
+use crate::steps::{until, utf8};
 use crate::support::{out_dir, run, text};
 
 const FINISHED: i32 = 0;
 const USAGE: i32 = 2;
 const DEVICE: i32 = 3;
-
-/// What has not come by then won't come, however slow the machine.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A recording of all that can be in one.
 const SAMPLE: &str = "# deltarobot recording 1\n# started 2026-11-28T20:41:15.123456Z\n# gap 0.05\n\
@@ -74,19 +74,6 @@ fn empty(name: &str) -> PathBuf {
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).unwrap();
     path
-}
-
-fn utf8(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-/// Waits until that is so.
-fn until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let began = Instant::now();
-    while !is_so() {
-        assert!(began.elapsed() < PATIENCE, "{what}");
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 /// A program that runs beside the others.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::robot::{CANCEL, Robot};
-use super::{Server, until};
+use super::{Server, found};
 
 /// Far away: at a unit a second, nobody has to hurry.
 pub(super) fn far() -> Value {
@@ -98,5 +98,5 @@ fn a_lease_is_renewed_and_given_back() {
     let other = [("Deltarobot-Lease", "0123")];
     assert_eq!(server.ask_with("DELETE", "/api/robots/lab/lease", &other, b"").0, 409);
     assert_eq!(server.ask_with("DELETE", "/api/robots/lab/lease", &[("Deltarobot-Lease", word)], b"").0, 204);
-    until("nobody drives", || server.get("/api/robots/lab")["driver"].is_null().then_some(()));
+    found("nobody drives", || server.get("/api/robots/lab")["driver"].is_null().then_some(()));
 }

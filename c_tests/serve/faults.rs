@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::driving::{far, slow};
 use super::robot::{CANCEL, Robot};
-use super::{Server, until};
+use super::{Server, found};
 
 fn rounds() -> usize {
     std::env::var("DP_ROUNDS").map_or(2, |rounds| rounds.parse().expect("a number"))
@@ -83,5 +83,5 @@ fn a_thousand_connections_opened_and_dropped() {
     assert_eq!((robot.count(CANCEL), server.get("/api/robots/lab")["state"].clone()), (0, json!("moving")));
     // Of all of them nothing is left but who drives.
     let files = || std::fs::read_dir(format!("/proc/{}/fd", server.child.id())).map_or(0, Iterator::count);
-    until("files closed", || (files() < 100).then_some(()));
+    found("files closed", || (files() < 100).then_some(()));
 }

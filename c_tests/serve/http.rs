@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket, client};
 
-use super::{PATIENCE, Server, schema, until};
+use super::{PATIENCE, Server, found, schema};
 
 /// A connection for events.
 pub(super) struct Watcher(pub(super) WebSocket<TcpStream>);
@@ -63,7 +63,7 @@ impl Server {
 
     /// A robot's state, as soon as it is such.
     pub(super) fn state_when(&self, name: &str, is_such: impl Fn(&Value) -> bool) -> Value {
-        until("a state", || Some(self.get(&format!("/api/robots/{name}"))).filter(&is_such))
+        found("a state", || Some(self.get(&format!("/api/robots/{name}"))).filter(&is_such))
     }
 
     /// Homes a robot.

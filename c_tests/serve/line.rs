@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::driving::{far, slow};
 use super::robot::{CANCEL, HOME, Robot};
-use super::{PATIENCE, Server, file, until};
+use super::{PATIENCE, Server, file, found};
 
 #[test]
 fn a_robot_that_says_nothing_is_not_shown_as_if_it_did() {
@@ -68,7 +68,7 @@ fn bytes_over_tcp_one_drives_and_others_listen() {
     assert!(robot.count(CANCEL) >= 2);
     // Now the other drives, as soon as it wants to.
     listener.write_all(HOME).unwrap();
-    until("homing", || (robot.count(HOME) > 1).then_some(()));
+    found("homing", || (robot.count(HOME) > 1).then_some(()));
 }
 
 #[test]

@@ -19,6 +19,9 @@ mod program;
 mod robot;
 mod schema;
 mod security;
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "../common/steps.rs"]
+mod steps;
 mod watching;
 
 use std::io::{BufRead, BufReader, Read};
@@ -26,10 +29,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
-/// What has not come by then won't come, however slow the machine.
-const PATIENCE: Duration = Duration::from_secs(300);
+use crate::steps::{PATIENCE, found};
 
 /// The program, which is killed when the test ends.
 struct Server {
@@ -82,18 +83,6 @@ impl Server {
         let _ = self.out.read_to_string(&mut String::new());
         self.child.wait().unwrap()
     }
-}
-
-/// Waits until that is so.
-fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    let began = Instant::now();
-    while began.elapsed() < PATIENCE {
-        if let Some(found) = look() {
-            return found;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    panic!("in vain: {what}");
 }
 
 /// A path for a file of this test alone.

@@ -5,7 +5,7 @@ use deltarobot_protocols::deltarobot::{Layout, Message, PAYLOAD_MAX, Position, R
 use serde_json::json;
 
 use super::robot::Robot;
-use super::{Server, until};
+use super::{Server, found};
 
 #[test]
 fn who_watches_sees_all_in_its_order() {
@@ -54,7 +54,7 @@ fn a_slow_watcher_loses_the_oldest_and_is_told_how_many() {
     let mut slow = server.watch("/api/robots/lab/events");
     let first = slow.event()["seq"].as_u64().unwrap();
     // More states than the system and the program keep for one that does not read.
-    until("enough states", || {
+    found("enough states", || {
         (0..100).for_each(|_| pty.write(&frame[..length]).unwrap());
         (seq() > first + 10_000).then_some(())
     });
