@@ -387,8 +387,8 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut Notices, item: *mut Item)
     GX_RC_SUCCESS
 }
 
-/// Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` tell where that is, `GX_STEP`
-/// how far. The position's mask tells which axes are known. Velocities are taken over too.
+/// Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
+/// how far. The position's mask flags the axes that are known. Velocities are taken over too.
 ///
 /// Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions that
 /// there are, `GX_RC_NOT_FOUND` when it starts from an axis that is not known, `GX_RC_ERROR_GENERIC` when a pointer is

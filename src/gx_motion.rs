@@ -50,7 +50,7 @@ pub const GX_MOTION_REFUSED: c_int = 3;
 /// Event: a host has begun a session; its request for position reports holds too.
 pub const GX_MOTION_BEGUN: c_int = 4;
 /// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
-/// sent back, and not told here.)
+/// sent back, and not reported here.)
 pub const GX_MOTION_REPORTING: c_int = 5;
 /// Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves.
 pub const GX_MOTION_HOLD: c_int = 6;
@@ -241,7 +241,7 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
     GX_RC_SUCCESS
 }
 
-/// Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is told to the host.
+/// Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
 ///
 /// Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
 /// NULL.
@@ -261,8 +261,8 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 }
 
 /// Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
-/// the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
-/// one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken; if the host
+/// the host is notified, by the number of the oldest move that has one. A host that had begun a session has to begin a new
+/// one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
 /// wanted the stop, before this call: the position is reported then, and the velocity that is in force.
 ///
 /// code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
@@ -290,7 +290,7 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
+/// Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
 /// deltas are added to. position holds `GX_AXES` values in steps, x first.
 ///
 /// position is NULL or points to six values.

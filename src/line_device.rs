@@ -1,4 +1,4 @@
-//! `libdeltarobot/line_device.h`: the device's end of the Ozeki line protocol's link, for firmware: tells which devices
+//! `libdeltarobot/line_device.h`: the device's end of the Ozeki line protocol's link, for firmware: says which devices
 //! are there, takes commands, has them executed, answers them, and sends events.
 //!
 //! A main loop around it:

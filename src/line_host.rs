@@ -135,7 +135,7 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 /// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
 /// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
 /// first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
-/// the answer does not tell is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
+/// the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
 ///
 /// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
 /// a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
@@ -179,7 +179,7 @@ pub unsafe extern "C" fn olp_host_setup(
 ///
 /// host was begun by `olp_host_init` or is all zero; id is NULL or a string.
 ///
-/// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
+/// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
 /// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
 /// empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
 ///
@@ -223,7 +223,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 }
 
 /// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
-/// there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
+/// there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
 /// lost, dropped, error, linksetup, acked, ended, welcome, line.
 ///
 /// host was begun by `olp_host_init` or is all zero.

@@ -1,4 +1,4 @@
-//! Memory of callers, as pointers and sizes from C tell of it, and numbers as C has them.
+//! Memory of callers, as pointers and sizes from C describe it, and numbers as C has them.
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;

@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* A serial port. Reading doesn't wait; it tells how many bytes had come, writing how many went. */
+/* A serial port. Reading doesn't wait; it returns how many bytes had come, writing how many went. */
 struct uart {
     int number;
 };

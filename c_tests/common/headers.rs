@@ -105,7 +105,7 @@ fn every_cpp_standard_with_clang() {
     }
 }
 
-/// The library would write behind the ends of packed structs: whoever packs them by an option or a pragma is told so.
+/// The library would write behind the ends of packed structs: whoever packs them by an option or a pragma gets an error.
 #[test]
 fn packed_structs_do_not_compile() {
     let library = Library::of(DEFAULT);

@@ -285,8 +285,8 @@ int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, s
 int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 
 /**
- * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` tell where that is, `GX_STEP`
- * how far. The position's mask tells which axes are known. Velocities are taken over too.
+ * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
+ * how far. The position's mask flags the axes that are known. Velocities are taken over too.
  *
  * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions that
  * there are, `GX_RC_NOT_FOUND` when it starts from an axis that is not known, `GX_RC_ERROR_GENERIC` when a pointer is
@@ -327,7 +327,7 @@ int gx_check(const struct gx_vector *target, int number);
 int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 
 /**
- * Sets where the machine is, and how fast it was told to move, as far as the mask of start says so; NULL: neither is
+ * Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither is
  * known, as after an error notice.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
@@ -390,7 +390,7 @@ int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas
 
 /**
  * Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
- * axis that stays where it is. The mask of from tells which axes are known; NULL: none.
+ * axis that stays where it is. The mask of from flags the axes that are known; NULL: none.
  *
  * Returns what `gx_write_move` does.
  *

@@ -299,7 +299,7 @@ int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned l
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
- * there is none; what is to be sent after that tells `gx_host_output`.
+ * there is none; what is to be sent after that returns `gx_host_output`.
  *
  * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL.

@@ -80,7 +80,7 @@ extern "C" {
 
 /**
  * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
- * sent back, and not told here.)
+ * sent back, and not reported here.)
  */
 #define GX_MOTION_REPORTING 5
 
@@ -231,7 +231,7 @@ int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_mot
 int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number) GX_SIZED("gx_motion_next");
 
 /**
- * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is told to the host.
+ * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
  *
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
  * NULL.
@@ -245,8 +245,8 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 
 /**
  * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
- * the host is told, by the number of the oldest move that has one. A host that had begun a session has to begin a new
- * one. Where the machine is has to be told by `gx_motion_set_position` before moves by deltas are taken; if the host
+ * the host is notified, by the number of the oldest move that has one. A host that had begun a session has to begin a new
+ * one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
  * wanted the stop, before this call: the position is reported then, and the velocity that is in force.
  *
  * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
@@ -263,7 +263,7 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop");
 
 /**
- * Says where the machine is: for position reports, and, as long as no move has told where an axis is, as that which
+ * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
  * deltas are added to. position holds `GX_AXES` values in steps, x first.
  *
  * position is NULL or points to six values.

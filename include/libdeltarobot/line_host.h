@@ -104,7 +104,7 @@ extern "C" {
  */
 #define OLP_HOST_WELCOME 1
 
-/** Event: what is in force on the link was told, or has changed: `link`. */
+/** Event: what is in force on the link was reported, or has changed: `link`. */
 #define OLP_HOST_LINKSETUP 2
 /** Event: the device has acknowledged the command `handle`. Once for each. */
 #define OLP_HOST_ACKED 3
@@ -120,7 +120,7 @@ extern "C" {
 #define OLP_HOST_LOST 6
 
 /**
- * Event: the device reports an error: `message`. It is about the command `handle`, as far as that can be told; else
+ * Event: the device reports an error: `message`. It is about the command `handle`, as far as that is known; else
  * that is 0.
  */
 #define OLP_HOST_ERROR 7
@@ -295,7 +295,7 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
  * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
  * first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
- * the answer does not tell is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
+ * the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
  *
  * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
  * a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
@@ -325,7 +325,7 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  *
  * host was begun by `olp_host_init` or is all zero; id is NULL or a string.
  *
- * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will tell; or -`OLP_RC_BUSY`
+ * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
  * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
  *
@@ -355,7 +355,7 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
- * there is none; what is to be sent after that tells `olp_host_output`. The events of a line come in this order:
+ * there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
  * lost, dropped, error, linksetup, acked, ended, welcome, line.
  *
  * host was begun by `olp_host_init` or is all zero.

@@ -229,7 +229,7 @@ int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const cha
 int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
 
 /**
- * Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
+ * Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
  *
  * text is NULL or points to that many bytes.
  *
@@ -341,7 +341,7 @@ int olp_parse(const char *line, int length, struct olp_message *message);
 int olp_param_at(const struct olp_message *message, int index, struct olp_param *param);
 
 /**
- * Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
+ * Finds a parameter by its name. Names repeat: occurrence selects one of that name, 0 the first. The command is the
  * first `c`.
  *
  * name is NULL or a string.
@@ -369,7 +369,7 @@ int olp_find(const struct olp_message *message, const char *name, int occurrence
 int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
 
 /**
- * Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
+ * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
  * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
  * has come.
  *

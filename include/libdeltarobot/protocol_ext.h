@@ -19,7 +19,7 @@ LIBDELTAROBOT_NOT_PACKED(protocol_ext);
 #define dp_init DP_SIZED_NAME(dp_init)
 #endif
 
-/** Major version of the library that this header belongs to; dp_version() tells that of the one that is linked. */
+/** Major version of the library that this header belongs to; dp_version() returns that of the one that is linked. */
 #define DP_VERSION_MAJOR 1
 /** Its minor version. */
 #define DP_VERSION_MINOR 0

@@ -63,7 +63,7 @@ pub unsafe extern "C" fn gx_write_step(
 }
 
 /// Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
-/// axis that stays where it is. The mask of from tells which axes are known; NULL: none.
+/// axis that stays where it is. The mask of from flags the axes that are known; NULL: none.
 ///
 /// Returns what `gx_write_move` does.
 ///

@@ -14,7 +14,7 @@ use deltarobot_protocols::line::host::{Dropped, Event, Listed, Outcome};
 /// `OLP_RC_SUCCESS`, or `OLP_RC_TOO_LONG` when the id is longer than `OLP_HOST_ID_MAX` (-1) or another text was cut
 /// off, `OLP_RC_OVERFLOW` when the table is full, `OLP_RC_NOT_FOUND` when it has no id.
 pub const OLP_HOST_WELCOME: c_int = 1;
-/// Event: what is in force on the link was told, or has changed: `link`.
+/// Event: what is in force on the link was reported, or has changed: `link`.
 pub const OLP_HOST_LINKSETUP: c_int = 2;
 /// Event: the device has acknowledged the command `handle`. Once for each.
 pub const OLP_HOST_ACKED: c_int = 3;
@@ -25,7 +25,7 @@ pub const OLP_HOST_LINE: c_int = 5;
 /// Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
 /// damaged number makes a gap too.
 pub const OLP_HOST_LOST: c_int = 6;
-/// Event: the device reports an error: `message`. It is about the command `handle`, as far as that can be told; else
+/// Event: the device reports an error: `message`. It is about the command `handle`, as far as that is known; else
 /// that is 0.
 pub const OLP_HOST_ERROR: c_int = 7;
 /// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.

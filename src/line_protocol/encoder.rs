@@ -80,7 +80,7 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
     unsafe { add_text(encoder, name, text_of(text)) }
 }
 
-/// Like `olp_add_string`, for text that may have zero bytes in it: length tells where it ends.
+/// Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
 ///
 /// text is NULL or points to that many bytes.
 ///

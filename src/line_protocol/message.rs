@@ -59,7 +59,7 @@ pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int,
     }
 }
 
-/// Finds a parameter by its name. Names repeat: occurrence tells which of that name, 0 the first. The command is the
+/// Finds a parameter by its name. Names repeat: occurrence selects one of that name, 0 the first. The command is the
 /// first `c`.
 ///
 /// name is NULL or a string.

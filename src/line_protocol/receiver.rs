@@ -39,7 +39,7 @@ pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
     OLP_RC_SUCCESS
 }
 
-/// Takes received bytes up to the end of the next line, and tells in line what they were. Lines end with LF or CR LF;
+/// Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
 /// empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
 /// has come.
 ///

@@ -191,7 +191,7 @@ mod terminal {
         let speed = unsafe { libc::cfgetospeed(settings) };
         match super::code(baud) {
             Some(code) => is_near(speed.into(), code.into()),
-            // The request has set it or failed; what is told of it afterwards differs.
+            // The request has set it or failed; what is reported of it afterwards differs.
             None => true,
         }
     }

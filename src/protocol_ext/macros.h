@@ -1,4 +1,4 @@
-/** Major version of the library that this header belongs to; dp_version() tells that of the one that is linked. */
+/** Major version of the library that this header belongs to; dp_version() returns that of the one that is linked. */
 #define DP_VERSION_MAJOR @VERSION_MAJOR@
 /** Its minor version. */
 #define DP_VERSION_MINOR @VERSION_MINOR@

@@ -28,7 +28,7 @@ struct Digits<'a> {
     more: bool,
 }
 
-/// Room for digits, all zero. The compiler is not told so, nor that they are bytes: of `[0_u8; SIZE]` it would make a call
+/// Room for digits, all zero. The compiler does not know so, nor that they are bytes: of `[0_u8; SIZE]` it would make a call
 /// of memset or memcpy, which nobody may have.
 #[inline(always)]
 fn zeros() -> [u16; SIZE / 2] {

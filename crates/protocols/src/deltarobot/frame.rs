@@ -28,7 +28,7 @@ pub struct Frame<'a> {
 /// What stands at a place in a stream of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It may be a frame: to tell more takes so many bytes, counted from the place.
+    /// It may be a frame: to decide takes so many bytes, counted from the place.
     Needs(usize),
     /// A frame of `length + FRAME_OVERHEAD` bytes, of which `length` are payload.
     Frame {
@@ -92,7 +92,7 @@ pub fn judge<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
 #[must_use]
 pub fn judge_head<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
     // Bytes that are not there yet may be anything: what is wrong with them is no fault, and when nothing is, there are
-    // too few to tell.
+    // too few to decide.
     let have = bytes.len();
     let (place, fault) = 'fault: {
         if bytes.byte(0) != FRAME_START {

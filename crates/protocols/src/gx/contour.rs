@@ -36,7 +36,7 @@ impl Contour {
         self.target.mask != 0
     }
 
-    /// Sets where the machine is, and how fast it was told to move, as far as the mask says so.
+    /// Sets where the machine is, and how fast it was ordered to move, as far as the mask says so.
     pub fn starts_at(&mut self, start: &Vector) {
         self.at.copy(start);
     }

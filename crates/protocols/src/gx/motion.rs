@@ -17,7 +17,7 @@
 //!
 //! - It begins with two *numbered* requests for position reports (period 0: none) without another command between them,
 //!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number, as any
-//!   numbered command is; the second by that of the first and its own, so that the host can tell that both came. Ends
+//!   numbered command is; the second by that of the first and its own, so that the host knows that both came. Ends
 //!   of moves that were queued before are not reported any more.
 //! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`Fault::Order`]; so is one
 //!   without a number, as [`Fault::Numberless`]: it may have lost it. Nothing lost goes unnoticed then, and no delta is added
@@ -219,7 +219,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         self.halt = 0;
     }
 
-    /// Sets where the machine is: for reports, and for moves by deltas as long as no move has told where an axis is.
+    /// Sets where the machine is: for reports, and for moves by deltas as long as no move has said where an axis is.
     /// `false`: a value is out of range, and nothing has changed.
     pub fn set_position(&mut self, position: &[i32; AXES]) -> bool {
         if !position.iter().all(|value| is_position(*value)) {

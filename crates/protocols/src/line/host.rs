@@ -1,8 +1,8 @@
-//! The PC's end of the link: commands go in, outcomes and what the devices tell come out.
+//! The PC's end of the link: commands go in, outcomes and what the devices report come out.
 //!
 //! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
 //! events. It keeps one line: [`receive`](Host::receive) takes bytes up to the end of a line, and more only when all
-//! that the line meant has been told.
+//! that the line meant has been returned.
 //!
 //! # A command
 //!
@@ -89,7 +89,7 @@ use event::Pending;
 pub use event::{Dropped, Event, Outcome};
 pub use health::Health;
 pub use queue::QueueError;
-use settings::Told;
+use settings::SetupFields;
 pub use settings::{Link, Settings};
 use setup_again::Wanted;
 use slot::Slot;

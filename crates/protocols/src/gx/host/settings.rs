@@ -1,4 +1,4 @@
-//! What a host session can be told to do differently, and how well its link does.
+//! The settings of a host session, and its counters.
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 

@@ -137,7 +137,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         waits.then(|| left(now, self.reports_at, self.settings.answer().saturating_add(self.period.into())))
     }
 
-    /// Something has no answer: counts that, and tells whether it was asked for often enough.
+    /// Something has no answer: counts that, and returns whether it was asked for often enough.
     pub(super) fn gives_up(&mut self) -> bool {
         count(&mut self.health.timeouts);
         self.unanswered = self.unanswered.saturating_add(1);

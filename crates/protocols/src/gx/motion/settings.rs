@@ -1,4 +1,4 @@
-//! What a motion side can be told to do differently, and what it has seen.
+//! The settings of a motion side, and its counters.
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 

@@ -51,11 +51,11 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         self.own_setup = 0;
         let linksetup = Link::of(message);
         if name.is(b"linksetup")
-            && let Some(told) = linksetup
+            && let Some(fields) = linksetup
         {
             self.own_setup = 1;
-            self.asked = told.windowsize.unwrap_or(1);
-            self.link.adopt(told, self.asked);
+            self.asked = fields.windowsize.unwrap_or(1);
+            self.link.adopt(fields, self.asked);
             self.pending.set(Pending::Linksetup);
             return;
         }
@@ -81,10 +81,10 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         self.acked = 0;
         let t = only(message, b"t").and_then(Value::byte);
         let id = only(message, b"id");
-        let told = message.get(b"checksum");
-        let sum = told.and_then(Value::hex);
+        let written = message.get(b"checksum");
+        let sum = written.and_then(Value::hex);
         // A damaged name is no `null`.
-        let null = told.map_or(!self.link.checks(), |told| told.is(b"null"));
+        let null = written.map_or(!self.link.checks(), |written| written.is(b"null"));
         let found = self.slots.iter_mut().find(|slot| {
             let right = sum.map_or(null, |sum| sum == slot.sum());
             slot.is_out() && t == Some(slot.t()) && slot.is_of(id) && right
@@ -95,7 +95,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         };
         self.acked = slot.handle();
         if !slot.is_linksetup() {
-            // The device may have been told about acks and checksums by somebody else, or have been told of none.
+            // The device may have its acks and checksums set by somebody else, or none.
             let mut link = self.link;
             link.set_acks(true);
             link.set_checks(link.checks() && sum.is_some());
@@ -126,13 +126,14 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let needs_ack = self.link.acks() && !is_setup;
         // Some devices encode less than they should: without acks, what two lines that ran together look like is enough.
         let id = if needs_ack { only(message, b"id") } else { message.get(b"id").filter(|_| !is_joined(message)) };
-        let told = if is_setup { Link::of(message) } else { None };
+        let fields = if is_setup { Link::of(message) } else { None };
         let slot = Self::oldest(&mut self.slots, self.order, |slot| {
             let asked = if is_setup { slot.asks_for() } else { None };
             // Each thing that was asked for has to be answered legibly.
             let legible = !is_setup
-                || told.zip(asked).is_some_and(|(told, asked)| {
-                    (told.ack.is_some() || asked.ack.is_none()) && (told.checksum.is_some() || asked.checksum.is_none())
+                || fields.zip(asked).is_some_and(|(fields, asked)| {
+                    (fields.ack.is_some() || asked.ack.is_none())
+                        && (fields.checksum.is_some() || asked.checksum.is_none())
                 });
             let credible = slot.is_acked() || !needs_ack;
             slot.is_out() && credible && legible && slot.is_answered_by(name) && slot.is_of(id)
@@ -151,8 +152,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
             count(&mut self.health.strays);
         }
-        if let Some(told) = told.filter(|told| found || told.ack.is_some() && told.checksum.is_some()) {
-            self.link.adopt(told, self.asked);
+        if let Some(fields) = fields.filter(|fields| found || fields.ack.is_some() && fields.checksum.is_some()) {
+            self.link.adopt(fields, self.asked);
             self.pending.set(Pending::Linksetup);
             self.ask_next();
         }

@@ -1,7 +1,7 @@
 //! Commands that are to be sent.
 
 use super::setup_again::{OWN_HANDLE, setup_line};
-use super::{COMMAND_MAX, Host, Told};
+use super::{COMMAND_MAX, Host, SetupFields};
 
 /// Why a command was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
         windowsize: Option<u16>,
     ) -> Result<u16, QueueError> {
         let mut room = [0; COMMAND_MAX];
-        let length = setup_line(&mut room, Told { ack, checksum, windowsize })?;
+        let length = setup_line(&mut room, SetupFields { ack, checksum, windowsize })?;
         self.send(room.get(..length).unwrap_or_default(), id)
     }
 }

@@ -108,25 +108,25 @@ impl Link {
 
     /// What a line `linksetup` or `linksetup_resp` says: each parameter that it has. `None` when one of them makes no
     /// sense.
-    pub(super) fn of(message: &Message<'_>) -> Option<Told> {
-        let mut told = Told { ack: None, checksum: None, windowsize: None };
+    pub(super) fn of(message: &Message<'_>) -> Option<SetupFields> {
+        let mut fields = SetupFields { ack: None, checksum: None, windowsize: None };
         if let Some(value) = message.get(b"ack") {
-            told.ack = Some(either(value.is(b"on"), value.is(b"off"))?);
+            fields.ack = Some(either(value.is(b"on"), value.is(b"off"))?);
         }
         if let Some(value) = message.get(b"checksum") {
-            told.checksum = Some(either(value.is(b"fletcher16"), value.is(b"none"))?);
+            fields.checksum = Some(either(value.is(b"fletcher16"), value.is(b"none"))?);
         }
         if let Some(value) = message.get(b"windowsize") {
-            told.windowsize = Some(value.word()?);
+            fields.windowsize = Some(value.word()?);
         }
-        Some(told)
+        Some(fields)
     }
 
     /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
-    pub(super) fn adopt(&mut self, told: Told, most: u16) {
-        self.ack = told.ack.map_or(self.ack, u8::from);
-        self.checksum = told.checksum.map_or(self.checksum, u8::from);
-        self.windowsize = told.windowsize.unwrap_or(1).min(most).max(1);
+    pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
+        self.ack = fields.ack.map_or(self.ack, u8::from);
+        self.checksum = fields.checksum.map_or(self.checksum, u8::from);
+        self.windowsize = fields.windowsize.unwrap_or(1).min(most).max(1);
     }
 }
 
@@ -141,7 +141,7 @@ impl Eq for Link {}
 
 /// What a line says about the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Told {
+pub(super) struct SetupFields {
     pub(super) ack: Option<bool>,
     pub(super) checksum: Option<bool>,
     pub(super) windowsize: Option<u16>,
@@ -184,11 +184,11 @@ mod tests {
         ] {
             let (ack, checksum, windowsize) = before;
             let mut link = Link { ack, checksum, windowsize };
-            let told = Link::of(&Message::parse(line).unwrap());
-            if let Some(told) = told {
-                link.adopt(told, 40000);
+            let fields = Link::of(&Message::parse(line).unwrap());
+            if let Some(fields) = fields {
+                link.adopt(fields, 40000);
             }
-            assert_eq!(told.map(|_| (link.ack, link.checksum, link.windowsize)), after);
+            assert_eq!(fields.map(|_| (link.ack, link.checksum, link.windowsize)), after);
         }
     }
 }

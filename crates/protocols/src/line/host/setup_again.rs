@@ -2,7 +2,7 @@
 
 use zerocopy::FromBytes;
 
-use super::{COMMAND_MAX, ID_MAX, QueueError, Session, Slot, Told};
+use super::{COMMAND_MAX, ID_MAX, QueueError, Session, SetupFields, Slot};
 use crate::line::{EncodeError, Encoder};
 
 /// The handle of commands of the session's own, of which no end is reported.
@@ -32,7 +32,7 @@ impl Wanted {
     }
 
     /// A linksetup asks for this, of the device with that id. With one that is too long nothing is asked for again.
-    pub(super) fn add(&mut self, asked: Told, id: &[u8]) {
+    pub(super) fn add(&mut self, asked: SetupFields, id: &[u8]) {
         self.ack = asked.ack.map_or(self.ack, |ack| u8::from(ack).wrapping_add(1));
         self.checksum = asked.checksum.map_or(self.checksum, |checksum| u8::from(checksum).wrapping_add(1));
         self.windowsize = asked.windowsize.unwrap_or(self.windowsize);
@@ -42,10 +42,10 @@ impl Wanted {
         }
     }
 
-    fn told(&self) -> Told {
+    fn fields(&self) -> SetupFields {
         let option = |value: u8| (value != 0).then_some(value > 1);
         let windowsize = Some(self.windowsize).filter(|size| *size != 0);
-        Told { ack: option(self.ack), checksum: option(self.checksum), windowsize }
+        SetupFields { ack: option(self.ack), checksum: option(self.checksum), windowsize }
     }
 }
 
@@ -61,23 +61,23 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         if self.wanted.missing == 0 || self.slots.iter().any(|slot| slot.is_going_on() && slot.is_linksetup()) {
             return;
         }
-        let mut told = self.wanted.told();
+        let mut fields = self.wanted.fields();
         let differs = |wanted: Option<bool>, is: bool| wanted.is_some_and(|wanted| wanted != is);
         let asks_options = self.wanted.missing & OPTIONS != 0
-            && (differs(told.ack, self.link.acks()) || differs(told.checksum, self.link.checks()));
+            && (differs(fields.ack, self.link.acks()) || differs(fields.checksum, self.link.checks()));
         self.wanted.missing &= !OPTIONS;
         if asks_options {
-            told.windowsize = None;
+            fields.windowsize = None;
         } else {
             self.wanted.missing = 0;
-            (told.ack, told.checksum) = (None, None);
-            told.windowsize = told.windowsize.filter(|windowsize| *windowsize > self.link.windowsize());
-            if told.windowsize.is_none() {
+            (fields.ack, fields.checksum) = (None, None);
+            fields.windowsize = fields.windowsize.filter(|windowsize| *windowsize > self.link.windowsize());
+            if fields.windowsize.is_none() {
                 return;
             }
         }
         let mut room = [0; COMMAND_MAX];
-        let Ok(length) = setup_line(&mut room, told) else { return };
+        let Ok(length) = setup_line(&mut room, fields) else { return };
         let queued = self.slots.iter().filter(|slot| slot.is_queued());
         let oldest = queued.max_by_key(|slot| slot.age(self.order)).map(Slot::order);
         if oldest.is_none() {
@@ -93,8 +93,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 }
 
 /// Writes `c=linksetup` and those parameters that are said.
-pub(super) fn setup_line(room: &mut [u8; COMMAND_MAX], told: Told) -> Result<usize, QueueError> {
-    let Told { ack, checksum, windowsize } = told;
+pub(super) fn setup_line(room: &mut [u8; COMMAND_MAX], fields: SetupFields) -> Result<usize, QueueError> {
+    let SetupFields { ack, checksum, windowsize } = fields;
     let mut encoder = Encoder::command(room, b"linksetup");
     if let Some(windowsize) = windowsize {
         encoder.word(b"windowsize", windowsize);

@@ -2,7 +2,7 @@
 
 use super::{LINKSETUP, Slot};
 use crate::line::encoder::{is_name, is_param_name};
-use crate::line::host::{Link, QueueError, Told};
+use crate::line::host::{Link, QueueError, SetupFields};
 use crate::line::message::same;
 use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
 
@@ -71,7 +71,7 @@ impl Slot {
     }
 
     /// The parameters of a linksetup.
-    pub(in crate::line::host) fn asks_for(&self) -> Option<Told> {
+    pub(in crate::line::host) fn asks_for(&self) -> Option<SetupFields> {
         Message::parse(self.command()).ok().and_then(|message| Link::of(&message))
     }
 
