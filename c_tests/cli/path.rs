@@ -157,13 +157,16 @@ fn what_is_wrong_with_a_file_is_told_with_its_line() {
     }
     let points = file("cli-path-good.csv", "0.25,0.4,0.25\n");
     let wrong = fs::read_to_string(&geometry).unwrap().replace("max = 600", "max = -600");
-    let line = wrong.lines().position(|line| line == "[arms.A]").unwrap() + 1;
+    let line = wrong.lines().position(|line| line == "[[arms]]").unwrap() + 1;
     let wrong = file("cli-path-geometry.toml", &wrong);
     complains(
         &["path", &points, "--geometry", &wrong, "--check"],
         USAGE,
-        &format!("geometry.toml: line {line}: an arm's min"),
+        &format!("geometry.toml: line {line}: arm A's min"),
     );
+    let unlimited = fs::read_to_string(&geometry).unwrap().replacen("max = 600", "", 1);
+    let unlimited = file("cli-path-unlimited.toml", &unlimited);
+    complains(&["path", &points, "--geometry", &unlimited, "--check"], USAGE, "each arm's min and max");
     complains(&["path", &points, "--geometry", "/nonexistent", "--check"], DEVICE, "/nonexistent: No such file");
     complains(
         &["path", "/nonexistent.csv", "--geometry", &geometry, "--check"],

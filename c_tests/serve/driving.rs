@@ -35,7 +35,7 @@ fn one_drives_at_a_time_and_force_takes_over() {
     assert_eq!(server.drive("/api/robots/lab/move", &word, &far()).0, 409);
     drop(anna);
     assert_eq!(server.drive("/api/robots/lab/move", &taken, &far()).0, 409);
-    assert_eq!(server.get("/api/robots/lab")["state"], "moving");
+    server.state_when("lab", |state| state["state"] == "moving");
     assert_eq!(robot.count(CANCEL), 0);
     // Cancelling is open to everybody.
     assert_eq!(server.post("/api/robots/lab/cancel", &json!({})).0, 200);

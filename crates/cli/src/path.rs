@@ -27,7 +27,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 pub use format::Format;
-pub use machine::{Arm, Arms, Machine, Reason};
+pub use machine::{Machine, Reason};
 pub use pen::Pen;
 pub use plan::{Plan, Target, Unreachable, plan};
 pub use plane::{Placement, Plane};

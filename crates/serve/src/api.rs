@@ -16,11 +16,11 @@ use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{any, get, post, put};
 use axum::{Extension, Json, Router};
+use deltarobot_cli::path::Machine;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::fleet::Fleet;
-use crate::geometry::Geometry;
 use crate::http::Peer;
 use crate::outside::Outside;
 use crate::problem::{Kind, Problem};
@@ -96,8 +96,7 @@ async fn robot(State(app): State<App>, name: Name) -> Result<Response, Problem> 
 
 async fn set_geometry(State(app): State<App>, name: Name, request: Request) -> Result<Response, Problem> {
     let robot = app.robot(&name)?;
-    let geometry: Geometry = body(request).await?;
-    geometry.check()?;
+    let geometry: Machine = body(request).await?;
     Ok(Json(robot.set_geometry(Some(geometry))).into_response())
 }
 

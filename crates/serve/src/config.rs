@@ -9,13 +9,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::ValueEnum;
+use deltarobot_cli::path::Machine;
 use deltarobot_cli::port::{AtClose, Level, PortOptions};
 use deltarobot_cli::status::Failure;
 use deltarobot_protocols::deltarobot::Layout;
 use serde::{Deserialize, Deserializer};
 
 use crate::complain;
-use crate::geometry::Geometry;
 use crate::robot::Settings;
 use crate::security::Guard;
 use crate::{mqtt, record};
@@ -102,7 +102,7 @@ pub(crate) struct Robot {
     keep_moving: bool,
     /// Where programs get the bytes of its line.
     raw: Option<SocketAddr>,
-    geometry: Option<Geometry>,
+    geometry: Option<Machine>,
 }
 
 fn positive<'de, D: Deserializer<'de>>(value: D) -> Result<Option<u32>, D::Error> {
@@ -203,12 +203,6 @@ impl File {
         }
         let (mut robots, mut raw) = (Vec::new(), Vec::new());
         for (Name(name), robot) in self.robots {
-            if let Some(geometry) = &robot.geometry {
-                let problem = geometry.check().err();
-                if let Some(problem) = problem {
-                    return wrong(format!("robots.{name}.geometry: {}", problem.detail));
-                }
-            }
             if let Some(address) = robot.raw {
                 if !address.ip().is_loopback() {
                     return wrong(format!("robots.{name}.raw: {address} has no tokens, so only loopback is allowed"));
@@ -241,7 +235,7 @@ impl Robot {
     }
 
     /// The same with measures.
-    pub(crate) fn with_geometry(self, geometry: Option<Geometry>) -> Self {
+    pub(crate) fn with_geometry(self, geometry: Option<Machine>) -> Self {
         Self { geometry, ..self }
     }
 

@@ -14,7 +14,6 @@ mod api;
 mod config;
 mod event;
 mod fleet;
-mod geometry;
 #[cfg(test)]
 mod hostile;
 mod http;

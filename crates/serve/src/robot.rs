@@ -14,13 +14,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use deltarobot_cli::path::Machine;
 use deltarobot_cli::port::PortOptions;
 use deltarobot_cli::recording::Entry;
 use deltarobot_protocols::deltarobot::Layout;
 use tokio::sync::{broadcast, oneshot, watch};
 
 use crate::event::Event;
-use crate::geometry::Geometry;
 use crate::lease::{Lease, Leases, Wish};
 use crate::locked;
 use crate::problem::{Kind, Problem};
@@ -55,7 +55,7 @@ pub(crate) struct Settings {
     /// Whether a motion is cancelled when nobody drives any more.
     pub(crate) cancels_abandoned: bool,
     /// Its measures.
-    pub(crate) geometry: Option<Geometry>,
+    pub(crate) geometry: Option<Machine>,
 }
 
 /// What its thread shares with all others.
@@ -66,7 +66,7 @@ pub(crate) struct Robot {
     /// Who drives.
     pub(crate) leases: Leases,
     /// Its measures now.
-    pub(crate) geometry: Mutex<Option<Arc<Geometry>>>,
+    pub(crate) geometry: Mutex<Option<Arc<Machine>>>,
     /// What is known now.
     pub(crate) state: watch::Sender<Arc<State>>,
     /// What happens, but for messages.
@@ -211,7 +211,7 @@ impl Robot {
     }
 
     /// Sets its measures.
-    pub(crate) fn set_geometry(&self, geometry: Option<Geometry>) -> State {
+    pub(crate) fn set_geometry(&self, geometry: Option<Machine>) -> State {
         let geometry = geometry.map(Arc::new);
         locked(&self.geometry).clone_from(&geometry);
         self.wake();

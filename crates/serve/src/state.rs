@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use chrono::{SecondsFormat, Utc};
+use deltarobot_cli::path::Machine;
 use deltarobot_protocols::deltarobot::host::{self, Outcome};
 use deltarobot_protocols::deltarobot::{Report, State as Reported};
 use serde::Serialize;
 
-use crate::geometry::Geometry;
 use crate::lease::Driver;
 
 /// The time now, as it is shown.
@@ -77,7 +77,7 @@ pub(crate) struct State {
     pub(crate) displacements: Option<[f32; 3]>,
     pub(crate) end_stops: Vec<&'static str>,
     pub(crate) pose: Option<[f32; 3]>,
-    pub(crate) geometry: Option<Arc<Geometry>>,
+    pub(crate) geometry: Option<Arc<Machine>>,
     pub(crate) operation: Option<Operation>,
     pub(crate) target: Option<[f32; 3]>,
     pub(crate) driver: Option<Driver>,

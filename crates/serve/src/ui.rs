@@ -10,7 +10,6 @@ use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
 
 use crate::config::{self, File};
-use crate::geometry::Geometry;
 
 /// Shows a robot in a browser: it can be watched, moved, and given paths to trace there.
 #[derive(Debug, Parser)]
@@ -54,10 +53,9 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
     })
 }
 
-fn read(path: &Path) -> Result<Geometry, Failure> {
+fn read(path: &Path) -> Result<Machine, Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| Failure::of_file(path.display(), &error))?;
-    let machine = Machine::read(&text).map_err(|error| Failure::of(path.display(), error.to_string()))?;
-    Ok(Geometry::of(&machine))
+    Machine::read(&text).map_err(|error| Failure::of(path.display(), error.to_string()))
 }
 
 /// The last part of a port's name, of the letters that names take.

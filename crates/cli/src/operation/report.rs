@@ -42,7 +42,7 @@ impl Reporter {
     /// To the nearest hundredth of a millimetre, if the geometry is in metres.
     fn pose(&self, report: &Report) -> Option<[f64; 3]> {
         let pose = self.machine.as_ref()?.pose(report.position.0.map(f32::from_bits))?;
-        Some(pose.map(|number| (number * 1e5).round() / 1e5))
+        Some(pose.map(|number| (f64::from(number) * 1e5).round() / 1e5))
     }
 
     /// Another request begins.

@@ -1,23 +1,24 @@
-//! The machine: its geometry, and what its arms can do. A file has, in TOML,
+//! The machine: its geometry, and what its arms can do. In TOML, with lengths in one unit (metres, for `deltarobot path`):
 //!
 //! ```toml
-//! A1 = [0.12, 0.0, 0.10]    # the joints of the legs on the base, in metres
-//! A2 = [0.38, 0.0, 0.25]
-//! A3 = [0.12, 0.0, 0.40]
-//! d_B1B3 = 0.15             # the platform's edge
-//! d_e = 0.08                # how far leg 2's end is from the plane of legs 1 and 3
+//! joints = [[0.12, 0.0, 0.10], [0.38, 0.0, 0.25], [0.12, 0.0, 0.40]] # where legs 1, 2 and 3 are joined to the base
+//! edge = 0.15               # d_B1B3: the platform's edge
+//! offset = 0.08             # d_e: how far leg 2's end is from the plane of legs 1 and 3
 //!
-//! [arms.A]                  # leg 1
-//! scale = 0.001             # metres that its leg gets longer by a unit of displacement
-//! offset = 0.2              # how long its leg is at displacement 0
-//! min = 0                   # the least and the largest displacement; -inf and inf where there is none
+//! [[arms]]                  # A, of leg 1; B of leg 2 and C of leg 3 follow
+//! scale = 0.001             # how much longer a unit of displacement makes its leg; 1 by default
+//! offset = 0.2              # how long its leg is at displacement 0; 0 by default
+//! min = 0                   # the least and the largest displacement, which paths need; -inf and inf where there is none
 //! max = 600
-//! # [arms.B] for leg 2 and [arms.C] for leg 3 have the same
 //! ```
+//!
+//! and the same names in JSON.
 
 use std::fmt::{self, Display, Formatter};
+use std::ops::RangeInclusive;
 
 use deltarobot_protocols::kinematics::{Geometry, forward, inverse};
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Error;
@@ -25,80 +26,34 @@ use super::vector::{cross, distance, norm, sub};
 
 /// A machine with three legs, whose lengths its arms set. Deserialized, its numbers make sense.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, try_from = "File")]
+#[serde(deny_unknown_fields)]
 pub struct Machine {
-    /// Where leg 1 is joined to the base, in metres.
-    #[serde(rename = "A1")]
-    pub a1: [f32; 3],
-    /// The same for leg 2.
-    #[serde(rename = "A2")]
-    pub a2: [f32; 3],
-    /// The same for leg 3.
-    #[serde(rename = "A3")]
-    pub a3: [f32; 3],
+    /// Where legs 1, 2 and 3 are joined to the base.
+    #[serde(deserialize_with = "joints")]
+    joints: [[f32; 3]; 3],
     /// The length of the platform's edge B1B3.
-    #[serde(rename = "d_B1B3")]
-    pub edge: f32,
-    /// The distance of B2 from the plane of legs 1 and 3.
-    #[serde(rename = "d_e")]
-    pub offset: f32,
-    /// The arms.
-    pub arms: Arms,
-}
-
-/// What a file has, before it is known to make sense.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    #[serde(rename = "A1", deserialize_with = "point")]
-    a1: [f32; 3],
-    #[serde(rename = "A2", deserialize_with = "point")]
-    a2: [f32; 3],
-    #[serde(rename = "A3", deserialize_with = "point")]
-    a3: [f32; 3],
-    #[serde(rename = "d_B1B3", deserialize_with = "length")]
+    #[serde(deserialize_with = "length")]
     edge: f32,
-    #[serde(rename = "d_e", deserialize_with = "length")]
+    /// The distance of B2 from the plane of legs 1 and 3.
+    #[serde(deserialize_with = "length")]
     offset: f32,
-    arms: Arms,
-}
-
-/// The arms, named as the displacements DA, DB and DC of the protocol.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Arms {
-    /// That of leg 1.
-    #[serde(rename = "A")]
-    pub a: Arm,
-    /// That of leg 2.
-    #[serde(rename = "B")]
-    pub b: Arm,
-    /// That of leg 3.
-    #[serde(rename = "C")]
-    pub c: Arm,
+    /// Those of legs 1, 2 and 3, with the displacements DA, DB and DC of the protocol.
+    #[serde(default, deserialize_with = "arms")]
+    arms: [Arm; 3],
 }
 
 /// An arm: how its displacement sets the length of its leg, `offset + scale * displacement`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, try_from = "ArmFile")]
-pub struct Arm {
-    /// How much longer a unit of displacement makes the leg, in metres.
-    pub scale: f64,
-    /// How long the leg is at displacement 0, in metres.
-    pub offset: f64,
-    /// The least displacement.
-    pub min: f64,
-    /// The largest displacement.
-    pub max: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ArmFile {
+#[serde(deny_unknown_fields, default)]
+struct Arm {
     scale: f64,
     offset: f64,
-    min: f64,
-    max: f64,
+    /// The least displacement; infinite where it is known that there is none.
+    #[serde(skip_serializing_if = "is_none")]
+    min: Option<f64>,
+    /// The largest displacement, likewise.
+    #[serde(skip_serializing_if = "is_none")]
+    max: Option<f64>,
 }
 
 /// Why the platform can't be somewhere.
@@ -158,24 +113,6 @@ impl Serialize for Reason {
 }
 
 impl Machine {
-    /// A machine with these joints on the base, edge B1B3, distance of B2 from the plane of legs 1 and 3, and arms.
-    ///
-    /// # Errors
-    ///
-    /// Numbers that make no machine.
-    pub fn new(joints: [[f32; 3]; 3], edge: f32, offset: f32, arms: Arms) -> Result<Self, &'static str> {
-        let is_fine = |number: &f32| number.abs() < 1e6;
-        if !(joints.iter().flatten().all(is_fine) && [edge, offset].iter().all(|it| is_fine(it) && *it >= 0.0)) {
-            return Err("coordinates must be below a million, and lengths not below zero");
-        }
-        let [a1, a2, a3] = joints;
-        let machine = Self { a1, a2, a3, edge, offset, arms };
-        let [a1, a2, a3] = joints.map(|joint| joint.map(f64::from));
-        let area = norm(cross(sub(a2, a1), sub(a3, a1)));
-        // Nearly in line, the platform turns nearly as it likes.
-        if area > 1e-6 * machine.size() * machine.size() { Ok(machine) } else { Err("A1, A2 and A3 lie in line") }
-    }
-
     /// Reads a file in TOML.
     ///
     /// # Errors
@@ -203,89 +140,108 @@ impl Machine {
             return Err(Reason::Ambiguous);
         }
         let [a, b, c] = lengths;
-        let Arms { a: arm_a, b: arm_b, c: arm_c } = &self.arms;
+        let [arm_a, arm_b, arm_c] = &self.arms;
         Ok([arm_a.displacement('A', a)?, arm_b.displacement('B', b)?, arm_c.displacement('C', c)?])
     }
 
     /// Where the platform is at these displacements; `None` where no pose has them.
     #[must_use]
-    pub fn pose(&self, [a, b, c]: [f32; 3]) -> Option<[f64; 3]> {
-        let arms = &self.arms;
-        let lengths = [arms.a.length(a), arms.b.length(b), arms.c.length(c)];
-        forward::<f64>(&self.geometry(), lengths).ok().map(|pose| pose.map(f64::from))
+    pub fn pose(&self, [a, b, c]: [f32; 3]) -> Option<[f32; 3]> {
+        let [arm_a, arm_b, arm_c] = &self.arms;
+        forward::<f64>(&self.geometry(), [arm_a.length(a), arm_b.length(b), arm_c.length(c)]).ok()
     }
 
-    /// About how large it is: the longest distance of two of the base's joints.
+    /// Whether it is known how far each arm can go.
+    pub(super) fn has_limits(&self) -> bool {
+        self.arms.iter().all(|arm| arm.min.is_some() && arm.max.is_some())
+    }
+
+    /// About how large it is.
     pub(super) fn size(&self) -> f64 {
-        let [a1, a2, a3] = [self.a1, self.a2, self.a3].map(|joint| joint.map(f64::from));
-        distance(a1, a2).max(distance(a2, a3)).max(distance(a1, a3))
+        size(&self.joints)
     }
 
     const fn geometry(&self) -> Geometry {
-        Geometry { joints: [self.a1, self.a2, self.a3], edge: self.edge, offset: self.offset }
+        Geometry { joints: self.joints, edge: self.edge, offset: self.offset }
     }
 }
 
 impl Arm {
-    /// An arm whose leg is `offset + scale * displacement` long; displacements are from `min` to `max`, which may be
-    /// infinite.
-    ///
-    /// # Errors
-    ///
-    /// Numbers that make no arm.
-    pub fn new(scale: f64, offset: f64, min: f64, max: f64) -> Result<Self, &'static str> {
-        if !(scale.abs() >= 1e-9 && scale.abs() < 1e9 && offset.abs() < 1e9) {
-            return Err("an arm's scale must not be 0, and its numbers must be below a billion");
-        }
-        if min < max { Ok(Self { scale, offset, min, max }) } else { Err("an arm's min must be less than its max") }
-    }
-
     fn displacement(&self, arm: char, length: f32) -> Result<f32, Reason> {
         let displacement = (f64::from(length) - self.offset) / self.scale;
-        if (self.min..=self.max).contains(&displacement) {
+        let range = self.range();
+        if range.contains(&displacement) {
             return Ok(single(displacement));
         }
-        Err(Reason::Arm { arm, displacement, limit: displacement.clamp(self.min, self.max) })
+        Err(Reason::Arm { arm, displacement, limit: displacement.clamp(*range.start(), *range.end()) })
     }
 
     fn length(&self, displacement: f32) -> f32 {
         single(self.offset + self.scale * f64::from(displacement))
     }
+
+    /// What it can do, within what the protocol can say.
+    fn range(&self) -> RangeInclusive<f64> {
+        let [min, max] = [f32::MIN, f32::MAX].map(f64::from);
+        self.min.unwrap_or(min).max(min)..=self.max.unwrap_or(max).min(max)
+    }
+
+    fn check(&self) -> Result<(), &'static str> {
+        if !(self.scale.abs() >= 1e-9 && self.scale.abs() < 1e9 && self.offset.abs() < 1e9) {
+            return Err("scale must not be 0, and its numbers must be below a billion");
+        }
+        let is_in_order = self.min.unwrap_or(f64::NEG_INFINITY) < self.max.unwrap_or(f64::INFINITY);
+        is_in_order.then_some(()).ok_or("min must be less than its max")
+    }
+}
+
+impl Default for Arm {
+    fn default() -> Self {
+        Self { scale: 1.0, offset: 0.0, min: None, max: None }
+    }
+}
+
+/// JSON has no infinite numbers.
+#[expect(clippy::ref_option, reason = "as serde passes it")]
+fn is_none(limit: &Option<f64>) -> bool {
+    !limit.is_some_and(f64::is_finite)
+}
+
+/// The longest distance of two of the joints.
+fn size(joints: &[[f32; 3]; 3]) -> f64 {
+    let [a1, a2, a3] = joints.map(|joint| joint.map(f64::from));
+    distance(a1, a2).max(distance(a2, a3)).max(distance(a1, a3))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "it rounds")]
-fn single(number: f64) -> f32 {
+const fn single(number: f64) -> f32 {
     number as f32
 }
 
-fn point<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f32; 3], D::Error> {
-    let point = <[f32; 3]>::deserialize(deserializer)?;
-    let is_fine = point.iter().all(|number| number.abs() < 1e6);
-    is_fine.then_some(point).ok_or_else(|| serde::de::Error::custom("a point must have coordinates below a million"))
+fn joints<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[[f32; 3]; 3], D::Error> {
+    let joints = <[[f32; 3]; 3]>::deserialize(deserializer)?;
+    if !joints.iter().flatten().all(|number| number.abs() < 1e6) {
+        return Err(D::Error::custom("a joint must have coordinates below a million"));
+    }
+    let [a1, a2, a3] = joints.map(|joint| joint.map(f64::from));
+    let area = norm(cross(sub(a2, a1), sub(a3, a1)));
+    // Nearly in line, the platform turns nearly as it likes.
+    let is_fine = area > 1e-6 * size(&joints) * size(&joints);
+    is_fine.then_some(joints).ok_or_else(|| D::Error::custom("the joints A1, A2 and A3 lie in line"))
 }
 
 fn length<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f32, D::Error> {
     let length = f32::deserialize(deserializer)?;
     let is_fine = (0.0..1e6).contains(&length);
-    is_fine.then_some(length).ok_or_else(|| serde::de::Error::custom("a length must be from 0 to a million"))
+    is_fine.then_some(length).ok_or_else(|| D::Error::custom("a length must be from 0 to a million"))
 }
 
-impl TryFrom<File> for Machine {
-    type Error = &'static str;
-
-    fn try_from(file: File) -> Result<Self, Self::Error> {
-        let File { a1, a2, a3, edge, offset, arms } = file;
-        Self::new([a1, a2, a3], edge, offset, arms)
+fn arms<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Arm; 3], D::Error> {
+    let arms = <[Arm; 3]>::deserialize(deserializer)?;
+    for (name, arm) in ['A', 'B', 'C'].into_iter().zip(&arms) {
+        arm.check().map_err(|error| D::Error::custom(format_args!("arm {name}'s {error}")))?;
     }
-}
-
-impl TryFrom<ArmFile> for Arm {
-    type Error = &'static str;
-
-    fn try_from(file: ArmFile) -> Result<Self, Self::Error> {
-        let ArmFile { scale, offset, min, max } = file;
-        Self::new(scale, offset, min, max)
-    }
+    Ok(arms)
 }
 
 #[cfg(test)]

@@ -56,8 +56,11 @@ pub struct Plan {
 ///
 /// # Errors
 ///
-/// The path is so long that it would take too many looks.
+/// The path is so long that it would take too many looks, or it is not known how far the arms can go.
 pub fn plan(points: &[Waypoint], machine: &Machine, tolerance: f64) -> Result<Plan, Error> {
+    if !machine.has_limits() {
+        return Err(Error::new("a path needs the geometry to have each arm's min and max"));
+    }
     let mut planner =
         Planner { machine, tolerance, plan: Plan::default(), is_reachable: true, is_between: false, looks: 0 };
     let mut before: Option<Waypoint> = None;
@@ -174,7 +177,7 @@ impl Planner<'_> {
         [0.25, 0.5, 0.75].into_iter().all(|part| {
             let ([a, b, c], [x, y, z]) = (from.displacements, displacements);
             let on_the_way = [a + (x - a) * part, b + (y - b) * part, c + (z - c) * part];
-            self.machine.pose(on_the_way).is_some_and(|at| off(at, from.at, to) <= self.tolerance)
+            self.machine.pose(on_the_way).is_some_and(|at| off(at.map(f64::from), from.at, to) <= self.tolerance)
         })
     }
 
@@ -252,7 +255,7 @@ mod tests {
                     let part = f32::from(step) / 10.0;
                     let (from, to) = (pair[0].displacements, pair[1].displacements);
                     let arms = std::array::from_fn(|arm| from[arm] + (to[arm] - from[arm]) * part);
-                    let at = example().pose(arms).unwrap();
+                    let at = example().pose(arms).unwrap().map(f64::from);
                     // What is between the three places that were looked at can be a little worse.
                     prop_assert!(off(at, pair[0].at, pair[1].at) <= tolerance * 1.2 + 1e-6);
                 }

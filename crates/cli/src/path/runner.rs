@@ -104,7 +104,7 @@ impl Runner {
     /// `None` if no pose has them, and after the last target.
     pub fn reached(&mut self, displacements: [f32; 3]) -> Option<f64> {
         let target = self.targets.get(self.reached.len())?;
-        let at = self.machine.pose(displacements);
+        let at = self.machine.pose(displacements).map(|at| at.map(f64::from));
         let error = at.map(|at| distance(at, target.at));
         self.reached.push(at);
         if let Some(error) = error {

@@ -8,6 +8,7 @@ use axum::extract::Request;
 use axum::response::{IntoResponse, Response};
 use deltarobot_cli::decoder::deltarobot::Frames;
 use deltarobot_cli::decoder::{Decoder, Piece};
+use deltarobot_cli::path::Machine;
 use deltarobot_cli::port::GAP_USB;
 use deltarobot_cli::recording::{Parser, Side};
 use deltarobot_cli::words::position_json;
@@ -16,7 +17,6 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::{bytes, parse};
-use crate::geometry::Geometry;
 use crate::problem::{Kind, Problem};
 use crate::state::{Doing, end_stops};
 
@@ -31,7 +31,7 @@ const PLACES_MAX: usize = 10_000;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
-    geometry: Geometry,
+    geometry: Machine,
     displacements: Vec<[f32; 3]>,
 }
 
@@ -39,14 +39,14 @@ pub(crate) struct ForwardRequest {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct InverseRequest {
-    geometry: Geometry,
+    geometry: Machine,
     poses: Vec<[f32; 3]>,
 }
 
 impl ForwardRequest {
     /// Where the platform is at these.
     pub(crate) fn poses(&self) -> Result<Vec<Option<Place>>, Problem> {
-        batch(&self.geometry, &self.displacements, Geometry::pose)
+        batch(&self.displacements, |at| self.geometry.pose(at))
     }
 }
 
@@ -57,22 +57,17 @@ pub(super) async fn forward(request: Request) -> Result<Response, Problem> {
 
 pub(super) async fn inverse(request: Request) -> Result<Response, Problem> {
     let asked: InverseRequest = parse(&bytes(request.into_body(), BATCH_MAX).await?)?;
-    let displacements = batch(&asked.geometry, &asked.poses, Geometry::displacements)?;
+    let displacements = batch(&asked.poses, |at| asked.geometry.displacements(at.map(f64::from)).ok())?;
     Ok(Json(BTreeMap::from([("displacements", displacements)])).into_response())
 }
 
 type Place = [f32; 3];
 
-fn batch(
-    geometry: &Geometry,
-    places: &[Place],
-    compute: impl Fn(&Geometry, Place) -> Option<Place>,
-) -> Result<Vec<Option<Place>>, Problem> {
-    geometry.check()?;
+fn batch(places: &[Place], compute: impl Fn(Place) -> Option<Place>) -> Result<Vec<Option<Place>>, Problem> {
     if places.len() > PLACES_MAX {
         return Err(Problem::new(Kind::TooLong, format!("at most {PLACES_MAX} places are taken")));
     }
-    Ok(places.iter().map(|place| compute(geometry, *place)).collect())
+    Ok(places.iter().copied().map(compute).collect())
 }
 
 pub(super) async fn recording(request: Request) -> Result<Response, Problem> {

@@ -1,5 +1,7 @@
 //! Paths: checking what is drawn or in a file, and having the robot trace it.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, StatusCode};
@@ -76,12 +78,11 @@ fn needed(word: Option<&str>) -> Result<&str, Problem> {
     word.ok_or_else(|| Problem::new(Kind::NoLease, "only who drives may trace a path"))
 }
 
-async fn prepared(app: &App, name: &Name, request: Request) -> Result<(Prepared, Machine), Problem> {
+async fn prepared(app: &App, name: &Name, request: Request) -> Result<(Prepared, Arc<Machine>), Problem> {
     let robot = app.robot(name)?;
     let asked: PathRequest = parse(&bytes(request.into_body(), REQUEST_MAX).await?)?;
-    let geometry = robot.snapshot().geometry.clone();
-    let geometry = geometry.ok_or_else(|| Problem::new(Kind::Impossible, "the robot has no geometry"))?;
-    let machine = geometry.machine()?;
+    let machine = robot.snapshot().geometry.clone();
+    let machine = machine.ok_or_else(|| Problem::new(Kind::Impossible, "the robot has no geometry"))?;
     // It takes as long as some thousand other requests.
     tokio::task::spawn_blocking(move || asked.prepare(&machine).map(|prepared| (prepared, machine)))
         .await

@@ -64,7 +64,7 @@ impl Goal {
                 let geometry = state.geometry.as_ref().ok_or_else(|| impossible("the robot has no geometry"))?;
                 let pose =
                     self.add(by, state.pose, state).ok_or_else(|| impossible("where the platform is is not known"))?;
-                geometry.displacements(pose).ok_or_else(|| impossible("the geometry has no such pose"))?
+                geometry.displacements(pose.map(f64::from)).map_err(|reason| impossible(&reason.to_string()))?
             }
         };
         if Position(target.map(f32::to_bits)).is_finite() {
