@@ -81,11 +81,19 @@ fn an_error_is_an_object_too() {
 
     let file = fresh("cli-error.txt");
     fs::write(&file, "home\n").unwrap();
-    for arguments in [
-        &["run", "--json", "/nonexistent/tty", utf8(&file)] as &[&str],
-        &["send", "--json", "--protocol", "gx", "/nonexistent/tty", "x1"],
+    let wrong = fresh("cli-error-wrong.txt");
+    fs::write(&wrong, "jump\n").unwrap();
+    for (arguments, status) in [
+        (&["run", "--json", "/nonexistent/tty", utf8(&file)] as &[&str], DEVICE),
+        (&["run", "--json", "/nonexistent/tty", "/nonexistent/file"], DEVICE),
+        (&["run", "--json", "/nonexistent/tty", utf8(&wrong)], USAGE),
+        (&["send", "--json", "--protocol", "gx", "/nonexistent/tty", "x1"], DEVICE),
+        (&["move", "--json", "1", "2", "inf", "/nonexistent/tty"], USAGE),
+        (&["move", "--json", "1", "2", "3", "/nonexistent/tty", "--geometry", "/nonexistent/file"], DEVICE),
+        (&["status", "--json", "/nonexistent/tty", "--geometry", "/nonexistent/file"], DEVICE),
+        (&["path", "--json", "/nonexistent/file", "/nonexistent/tty", "--geometry", "/nonexistent/file"], DEVICE),
     ] {
-        assert_eq!(json(arguments, DEVICE)["outcome"], "error", "{arguments:?}");
+        assert_eq!(json(arguments, status)["outcome"], "error", "{arguments:?}");
     }
 
     let sim = Running::sim(&["--disconnect-after", "0.1"]);

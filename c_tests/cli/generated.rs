@@ -36,6 +36,37 @@ fn each_subcommand_has_a_manual_page() {
     assert!(fs::read_to_string(directory.join("deltarobot.1")).unwrap().contains("Exit status"));
 }
 
+/// What `make install-cli` puts below a prefix, from a program that was built before, and `uninstall-cli` removes.
+#[test]
+fn all_of_it_is_installed() {
+    let (out, prefix) = (out_dir().join("cli-built"), out_dir().join("cli-installed"));
+    let _ = fs::remove_dir_all(&prefix);
+    fs::create_dir_all(&out).unwrap();
+    fs::copy(env!("CARGO_BIN_EXE_deltarobot"), out.join("deltarobot")).unwrap();
+    let make = |goal: &str| {
+        let directories = [format!("OUT={}", utf8(&out)), format!("PREFIX={}", utf8(&prefix))];
+        let mut make = Command::new("make");
+        make.current_dir(root()).env_remove("MAKEFLAGS").env_remove("DESTDIR");
+        let output = run(make.args([goal, "CARGO=no-such-cargo"]).args(directories));
+        assert!(output.status.success(), "{}", text(&output));
+    };
+    let files = [
+        "bin/deltarobot",
+        "share/man/man1/deltarobot.1",
+        "share/man/man1/deltarobot-move.1",
+        "share/bash-completion/completions/deltarobot",
+        "share/zsh/site-functions/_deltarobot",
+        "share/fish/vendor_completions.d/deltarobot.fish",
+    ];
+    make("install-cli");
+    for file in files {
+        assert!(fs::metadata(prefix.join(file)).is_ok_and(|it| it.len() > 0), "{file} is not installed");
+    }
+    make("uninstall-cli");
+    let left = run(Command::new("find").arg(&prefix).args(["-type", "f"]));
+    assert_eq!(String::from_utf8_lossy(&left.stdout), "");
+}
+
 #[test]
 fn programs_in_the_path_are_subcommands() {
     let directory = out_dir().join("cli-path");

@@ -87,6 +87,7 @@ fn a_serial_port_by_rfc_2217() {
     });
     complains(&["status", &format!("rfc2217://127.0.0.1:{port}")], DEVICE, "no serial port by RFC 2217");
     server.join().unwrap();
+    complains(&["status", "--at-close", "keep", "rfc2217://127.0.0.1:1"], DEVICE, "the server at the port decides");
 }
 
 #[test]

@@ -69,3 +69,20 @@ fn ctrl_c_cancels_the_motion() {
     assert_eq!(child.wait().unwrap().code(), Some(CANCELLED), "{said}");
     assert!(printed(&["status", &sim.device], FINISHED).starts_with("IDLE  "));
 }
+
+/// Within a pause too, of which JSON says how it ended.
+#[test]
+fn a_pause_ends_with_its_user_and_its_port() {
+    let file = program_file("cli-run-pause.txt", "status\nwait 80000\n");
+    for (end, status, outcome) in [("INT", CANCELLED, "interrupted"), ("KILL", DEVICE, "error")] {
+        let sim = Running::sim(&[]);
+        let mut child = deltarobot(&["run", "--json", &sim.device, &file]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+        lines.next().unwrap();
+        signal(if end == "INT" { &child } else { &sim.child }, end);
+        let value: Value = serde_json::from_str(&lines.next().unwrap()).unwrap();
+        assert_eq!((&value["request"], &value["outcome"]), (&"wait".into(), &outcome.into()));
+        assert_eq!(value["step"]["line"], 2, "{value}");
+        assert_eq!(child.wait().unwrap().code(), Some(status), "{value}");
+    }
+}

@@ -115,6 +115,26 @@ static void garbage_is_consumed_and_told_once(void)
     CHECK_INT(dp_recv(&ring, &message), DP_RC_NO_FRAME);
 }
 
+static void without_a_frame_only_the_opcode_is_set(void)
+{
+    static const struct {
+        const char *bytes;
+        int count, result;
+    } INPUTS[] = {{"", 0, DP_RC_NO_FRAME}, {"$M\1a", 4, DP_RC_NO_FRAME}, {"$H\0\0:", 5, DP_RC_GARBAGE}};
+    struct protocol_msg expected;
+    int i;
+
+    memset(&expected, 0x77, sizeof expected);
+    expected.opcode = 0xFF;
+    for (i = 0; i < 3; ++i) {
+        start();
+        memset(&message, 0x77, sizeof message);
+        CHECK_INT(feed(INPUTS[i].bytes, INPUTS[i].count), DP_RC_SUCCESS);
+        CHECK_INT(dp_recv(&ring, &message), INPUTS[i].result);
+        CHECK_BYTES(&message, &expected, sizeof message);
+    }
+}
+
 static void too_long_is_rejected_at_the_length_byte(void)
 {
     unsigned char bytes[32];
@@ -281,6 +301,7 @@ int main(void)
 {
     frame_at_a_false_start_is_found();
     garbage_is_consumed_and_told_once();
+    without_a_frame_only_the_opcode_is_set();
     too_long_is_rejected_at_the_length_byte();
     bad_data_s_is_not_sent();
     uninitialised_ring_is_healed();

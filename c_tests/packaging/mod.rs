@@ -386,6 +386,14 @@ fn in_place_of_the_original() {
         success(&run(&mut Command::new(build.join("host"))))
     };
 
+    let is_untouched = || {
+        let changed = run(Command::new("diff")
+            .args(["-rq", "-x", "sizes_in_place.h", "include"])
+            .arg(root().join("include"))
+            .current_dir(&tree));
+        assert_eq!(text(&changed), "");
+    };
+
     build(&[]);
     for built in ["libdeltarobot.a", "cross_comm", "send_opcode"] {
         assert!(tree.join("build").join(built).exists(), "{built} was not built");
@@ -407,12 +415,34 @@ fn in_place_of_the_original() {
     build(&["-DDP_BUFSIZE=256"]);
     assert_eq!(host(), "256 ACK: (MOVE!), ACK MOVING ACK: (MOVE!)\n");
     assert!(sizes_in_place.exists());
-    let changed = run(Command::new("diff")
-        .args(["-rq", "-x", "sizes_in_place.h", "include"])
-        .arg(root().join("include"))
-        .current_dir(&tree));
-    assert_eq!(text(&changed), "");
+    is_untouched();
     build(&["-DDP_BUFSIZE=128"]);
+    assert!(!sizes_in_place.exists());
+
+    // The same by make, for programs that are compiled with no option at all, by the path or another link.
+    std::os::unix::fs::symlink("../libdeltarobot/include", sandbox.path("host/include")).unwrap();
+    let make = |size: &str| success(&run(tool("make").current_dir(&tree).args(["lib", "SHARED=no", size])));
+    let by_path = |option: &[&str]| {
+        let source = fs::read_to_string(sandbox.path("host/main.cpp")).unwrap();
+        for path in ["../libdeltarobot/include/", "include/"] {
+            let program = sandbox.path("host/by_path.cpp");
+            fs::write(&program, source.replace("../libdeltarobot/include/", path)).unwrap();
+            let cpp = |arguments: &[&str]| {
+                success(&run(compiler(true).current_dir(sandbox.path("host")).args(arguments)));
+            };
+            cpp(&[&["-c", "by_path.cpp", "recorded.cpp"], option].concat());
+            cpp(&["-I../libdeltarobot/include", "-c", "../libdeltarobot/src/protocol_pc_utils.cpp"]);
+            let objects = ["by_path.o", "recorded.o", "protocol_pc_utils.o"];
+            cpp(&[&["-o", "by_path"], &objects[..], &["../libdeltarobot/target/release/libdeltarobot.a"]].concat());
+            let printed = success(&run(&mut Command::new(sandbox.path("host/by_path"))));
+            assert_eq!(printed, "256 ACK: (MOVE!), ACK MOVING ACK: (MOVE!)\n");
+        }
+    };
+    make("DP_BUFSIZE=256");
+    by_path(&[]);
+    by_path(&["-DDP_BUFSIZE=256"]);
+    is_untouched();
+    make("DP_BUFSIZE=128");
     assert!(!sizes_in_place.exists());
 }
 

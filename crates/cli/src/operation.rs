@@ -109,6 +109,20 @@ impl Known {
     }
 }
 
+impl Move {
+    fn target(&self, machine: Option<&Machine>) -> Result<Position, Failure> {
+        let mut numbers = [self.a, self.b, self.c];
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(Failure::Usage("a displacement must be a finite number".into()));
+        }
+        if let (true, Some(machine)) = (self.position, machine) {
+            let displacements = machine.displacements(numbers.map(f64::from));
+            numbers = displacements.map_err(|reason| Failure::Usage(format!("unreachable: {reason}")))?;
+        }
+        Ok(Position(numbers.map(f32::to_bits)))
+    }
+}
+
 impl Common {
     /// (Not by clap, for which a variable is as good as an option, and would be at odds with the argument.)
     pub(crate) fn port(&self) -> Result<PathBuf, Failure> {
@@ -119,39 +133,38 @@ impl Common {
 }
 
 pub(crate) fn home(arguments: &Home) -> Result<Status, Failure> {
-    request(&arguments.common, arguments.operation.no_wait, Request::Home, None)
+    request(&arguments.common, arguments.operation.no_wait, "home", |_| Ok(Request::Home))
 }
 
 pub(crate) fn move_to(arguments: &Move) -> Result<Status, Failure> {
-    let machine = arguments.known.machine()?;
-    let mut numbers = [arguments.a, arguments.b, arguments.c];
-    if !numbers.iter().all(|number| number.is_finite()) {
-        return Err(Failure::Usage("a displacement must be a finite number".into()));
-    }
-    if let (true, Some(machine)) = (arguments.position, &machine) {
-        let displacements = machine.displacements(numbers.map(f64::from));
-        numbers = displacements.map_err(|reason| Failure::Usage(format!("unreachable: {reason}")))?;
-    }
-    let target = Position(numbers.map(f32::to_bits));
-    request(&arguments.common, arguments.operation.no_wait, Request::Move(target), machine)
+    request(&arguments.common, arguments.operation.no_wait, "move", |reporter| {
+        let machine = arguments.known.machine()?;
+        let target = arguments.target(machine.as_ref())?;
+        reporter.know(machine);
+        Ok(Request::Move(target))
+    })
 }
 
 pub(crate) fn status(arguments: &StatusQuery) -> Result<Status, Failure> {
-    request(&arguments.common, false, Request::Status, arguments.known.machine()?)
+    request(&arguments.common, false, "status", |reporter| {
+        reporter.know(arguments.known.machine()?);
+        Ok(Request::Status)
+    })
 }
 
 pub(crate) fn cancel(arguments: &Plain) -> Result<Status, Failure> {
-    request(&arguments.common, false, Request::Cancel, None)
+    request(&arguments.common, false, "cancel", |_| Ok(Request::Cancel))
 }
 
-fn request(common: &Common, no_wait: bool, request: Request, machine: Option<Machine>) -> Result<Status, Failure> {
+fn request(
+    common: &Common,
+    no_wait: bool,
+    name: &str,
+    prepare: impl FnOnce(&mut Reporter) -> Result<Request, Failure>,
+) -> Result<Status, Failure> {
     let mut reporter = Reporter::new(common.json);
-    reporter.know(machine);
-    let result = perform(common, no_wait, request, &mut reporter);
-    if let Err(failure) = &result {
-        reporter.failed(request.name(), failure);
-    }
-    result
+    let result = prepare(&mut reporter).and_then(|request| perform(common, no_wait, request, &mut reporter));
+    result.inspect_err(|failure| reporter.failed(name, failure))
 }
 
 fn perform(common: &Common, no_wait: bool, request: Request, reporter: &mut Reporter) -> Result<Status, Failure> {

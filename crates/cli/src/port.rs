@@ -125,6 +125,8 @@ enum Cause {
     OwnTerminal,
     NotTaken(u32),
     NoLine(&'static str),
+    /// What becomes of the lines is not ours to say.
+    ClosedByServer,
     NoRfc2217,
     Disconnected,
     TimedOut,
@@ -155,6 +157,7 @@ impl fmt::Display for Cause {
             Self::OwnTerminal => f.write_str("the terminal that this program runs in"),
             Self::NotTaken(baud) => write!(f, "can't be set to {baud} baud 8N1"),
             Self::NoLine(name) => write!(f, "has no line {name}"),
+            Self::ClosedByServer => f.write_str("--at-close: the server at the port decides that"),
             Self::NoRfc2217 => f.write_str("no serial port by RFC 2217"),
             Self::Disconnected => f.write_str("disconnected"),
             Self::TimedOut => f.write_str("no bytes were taken in time"),

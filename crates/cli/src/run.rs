@@ -1,7 +1,7 @@
 //! `deltarobot run`: requests from a file, in one opening of the port.
 
 use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -90,25 +90,31 @@ fn target(words: [&str; 3]) -> Result<Position, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let (name, text) = match arguments.file.as_path() {
-        path if path.as_os_str() == "-" => {
-            let mut text = String::new();
-            ("standard input".into(), io::stdin().read_to_string(&mut text).map(|_| text))
-        }
-        path => (path.display().to_string(), fs::read_to_string(path)),
-    };
-    let text = text.map_err(|error| Failure::of_file(&name, &error))?;
-    let steps = parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-    let signals = Signals::catch()?;
     let mut reporter = Reporter::new(arguments.json);
-    let opened = Driver::open(&arguments.port, &arguments.session, &signals);
-    let Some(mut driver) = opened.inspect_err(|failure| reporter.failed("run", failure))? else {
-        return Ok(reporter.interrupted("run"));
-    };
-    if driver.get_ready().inspect_err(|failure| reporter.failed("run", failure))? == End::Interrupted {
-        return Ok(reporter.interrupted("run"));
-    }
+    let name =
+        if arguments.file.as_os_str() == "-" { "standard input".into() } else { arguments.file.display().to_string() };
+    // (Before signals are caught: Ctrl-C ends the reading of standard input.)
+    let steps = read(arguments, &name).inspect_err(|failure| reporter.failed("run", failure))?;
+    let signals = Signals::catch()?;
+    let driver = get_ready(arguments, &signals).inspect_err(|failure| reporter.failed("run", failure))?;
+    let Some(mut driver) = driver else { return Ok(reporter.interrupted("run")) };
     carry_out(arguments, &name, &steps, &mut driver, &mut reporter)
+}
+
+fn read(arguments: &Arguments, name: &str) -> Result<Vec<(usize, Step)>, Failure> {
+    let text = match arguments.file.as_path() {
+        path if path.as_os_str() == "-" => io::read_to_string(io::stdin()),
+        path => fs::read_to_string(path),
+    };
+    let text = text.map_err(|error| Failure::of_file(name, &error))?;
+    parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+}
+
+/// `None` when it was interrupted.
+fn get_ready<'a>(arguments: &'a Arguments, signals: &'a Signals) -> Result<Option<Driver<'a>>, Failure> {
+    let Some(mut driver) = Driver::open(&arguments.port, &arguments.session, signals)? else { return Ok(None) };
+    let end = driver.get_ready()?;
+    Ok((end != End::Interrupted).then_some(driver))
 }
 
 fn carry_out(
@@ -130,22 +136,24 @@ fn carry_out(
     for _ in 0..rounds.unwrap_or(usize::MAX) {
         for (line, step) in steps {
             reporter.begin(progress.text(), json!({ "number": progress.done + 1, "line": line }));
-            let ended = match *step {
+            let (step, ended) = match *step {
                 Step::Loop(_) => continue,
-                Step::Wait(time) if driver.pause(time)? => Status::Finished,
-                Step::Wait(_) => return Ok(Status::Cancelled),
+                Step::Wait(time) => {
+                    let waited = driver.pause(time);
+                    let ended = |waited| if waited { Status::Finished } else { reporter.interrupted("wait") };
+                    ("wait", waited.map(ended))
+                }
                 Step::Request(request) => {
                     let end = driver.perform(request, false, reporter);
-                    let end = end.inspect_err(|failure| reporter.failed(request.name(), failure))?;
-                    reporter.ended(request, end, driver)
+                    (request.name(), end.map(|end| reporter.ended(request, end, driver)))
                 }
             };
             progress.done += 1;
-            match ended {
+            match ended.inspect_err(|failure| reporter.failed(step, failure))? {
                 Status::Finished => (),
                 // That is the user's doing.
-                Status::Cancelled => return Ok(ended),
-                _ => {
+                Status::Cancelled => return Ok(Status::Cancelled),
+                ended => {
                     status = if status == Status::Finished { ended } else { status };
                     if !arguments.keep_going {
                         complain(&format!("{name}: stopped at line {line}"));

@@ -47,6 +47,9 @@ impl Network {
         if scheme == Scheme::Tcp && (options.dtr.is_some() || options.rts.is_some() || options.at_close.is_some()) {
             return Err(Cause::NoLine("DTR nor RTS"));
         }
+        if options.at_close.is_some() {
+            return Err(Cause::ClosedByServer);
+        }
         let stream = connect(address.trim_end_matches('/')).map_err(Cause::System)?;
         stream.set_nodelay(true).and_then(|()| stream.set_nonblocking(true)).map_err(Cause::System)?;
         let telnet = (scheme == Scheme::Rfc2217).then(|| Telnet::new(options.baud));

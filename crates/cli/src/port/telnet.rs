@@ -19,6 +19,8 @@ const SET_PARITY: u8 = 3;
 const SET_STOPSIZE: u8 = 4;
 const SET_CONTROL: u8 = 5;
 const PURGE_DATA: u8 = 12;
+/// More of what a server says about an option is not kept: what matters here is shorter.
+const SUB_MAX: usize = 16;
 /// The server's answers have numbers that are higher by this.
 const ANSWER: u8 = 100;
 
@@ -108,7 +110,9 @@ impl Telnet {
                 }
                 (State::Sub, IAC) => State::SubCommand,
                 (State::Sub, _) | (State::SubCommand, IAC) => {
-                    self.sub.push(byte);
+                    if self.sub.len() < SUB_MAX {
+                        self.sub.push(byte);
+                    }
                     State::Sub
                 }
                 (State::SubCommand, _) => {
@@ -181,5 +185,23 @@ mod tests {
             assert_eq!(telnet.baud(), Some(0xFF07));
         }
         assert!(Telnet::new(9600).request(None, None).starts_with(&[IAC, WILL, COM_PORT]));
+    }
+
+    #[test]
+    fn a_server_that_never_ends_fills_no_memory() {
+        let mut telnet = Telnet::new(9600);
+        telnet.take(&mut [IAC, SB, COM_PORT, 101]);
+        for _ in 0..1000 {
+            telnet.take(&mut [7; 1000]);
+        }
+        assert!(telnet.sub.capacity() < 100);
+        telnet.take(&mut [IAC, SE]);
+        assert_eq!(telnet.baud(), None);
+        for option in 0..=254 {
+            for _ in 0..10 {
+                telnet.take(&mut [IAC, DO, option, IAC, WILL, option]);
+            }
+        }
+        assert!(telnet.said.len() <= 512);
     }
 }
