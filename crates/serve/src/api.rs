@@ -146,6 +146,7 @@ fn watch(
     let upgrade = upgrade.map_err(|rejection| Problem::new(Kind::Malformed, format!("a WebSocket: {rejection}")))?;
     let watch = Watch {
         fleet: Arc::clone(&app.fleet),
+        traces: Arc::clone(&app.traces),
         robot,
         messages: wanted.messages,
         may_drive: app.guard.may_drive(headers),

@@ -51,6 +51,8 @@ struct Trace {
     robot: Arc<Robot>,
     runner: Mutex<Runner>,
     resumed: Notify,
+    /// What was published last.
+    said: Mutex<Option<Run>>,
 }
 
 impl Traces {
@@ -63,6 +65,7 @@ impl Traces {
             robot: Arc::clone(robot),
             runner: runner.into(),
             resumed: Notify::new(),
+            said: Mutex::default(),
         });
         let name = Arc::clone(robot.name());
         {
@@ -72,7 +75,7 @@ impl Traces {
             }
             traces.insert(Arc::clone(&name), Arc::clone(&trace));
         }
-        let (traces, run) = (Arc::clone(self), trace.run(Doing::Running, None, String::new()));
+        let (traces, run) = (Arc::clone(self), trace.tell(Doing::Running, None, String::new()));
         tokio::spawn(async move {
             let began = Instant::now();
             let (doing, message) = trace.follow(cancels, began).await;
@@ -80,6 +83,12 @@ impl Traces {
             trace.tell(doing, None, message);
         });
         Ok(run)
+    }
+
+    /// How far the robot's path is, for whoever begins to watch.
+    pub(crate) fn run(&self, robot: &Robot) -> Option<Run> {
+        let trace = locked(&self.0).get(robot.name()).cloned()?;
+        locked(&trace.said).clone()
     }
 
     /// Makes no more moves after this one, or goes on.
@@ -166,22 +175,16 @@ impl Trace {
         paused.elapsed()
     }
 
-    fn run(&self, state: Doing, left: Option<Duration>, message: String) -> Run {
-        let runner = locked(&self.runner);
-        let progress = runner.progress();
-        Run {
-            state,
-            done: progress.done,
-            total: progress.all,
-            left: left.map(|left| left.as_secs_f64()),
-            error: runner.errors(),
-            message,
-        }
-    }
-
-    fn tell(&self, state: Doing, left: Option<Duration>, message: String) {
-        let run = self.run(state, left, message);
-        let what = What::Path { time: stamp(), run };
+    fn tell(&self, state: Doing, left: Option<Duration>, message: String) -> Run {
+        let left = left.map(|left| left.as_secs_f64());
+        let run = {
+            let runner = locked(&self.runner);
+            let progress = runner.progress();
+            Run { state, done: progress.done, total: progress.all, left, error: runner.errors(), message }
+        };
+        *locked(&self.said) = Some(run.clone());
+        let what = What::Path { time: stamp(), run: run.clone() };
         self.robot.publish(Event::new(Arc::clone(self.robot.name()), what));
+        run
     }
 }

@@ -17,6 +17,8 @@ use crate::fleet::Fleet;
 use crate::lease::Wish;
 use crate::problem::{Kind, Problem};
 use crate::robot::Robot;
+use crate::state::stamp;
+use crate::trace::Traces;
 
 /// Bytes of a message from a client.
 pub(crate) const MESSAGE_MAX: usize = 4 << 10;
@@ -33,6 +35,8 @@ const WATCHER_TIME: Duration = Duration::from_secs(60);
 pub(crate) struct Watch {
     /// All robots.
     pub(crate) fleet: Arc<Fleet>,
+    /// The paths that they trace.
+    pub(crate) traces: Arc<Traces>,
     /// The one that is watched; all, if `None`.
     pub(crate) robot: Option<Arc<Robot>>,
     /// Whether messages on the line are wanted.
@@ -96,8 +100,10 @@ impl Watch {
         for robot in self.robots() {
             let state = robot.snapshot();
             shown.insert(Arc::clone(robot.name()), state.seq);
-            let event = Event::new(Arc::clone(robot.name()), What::State(state));
-            send(socket, event.json(), leases).await?;
+            let run = self.traces.run(robot).map(|run| What::Path { time: stamp(), run });
+            for what in [What::State(state)].into_iter().chain(run) {
+                send(socket, Event::new(Arc::clone(robot.name()), what).json(), leases).await?;
+            }
         }
         let mut is_over = self.fleet.is_over.subscribe();
         let mut pings = interval(PING);

@@ -12,6 +12,7 @@ export function need(state) {
   if (state.failure) return [2, 'now', `Needs a person: ${state.failure}`];
   if (state.stops.includes(true)) return [3, 'soon', 'On an end stop'];
   if (state.state === 'idle' && state.displacements === null) return [4, 'soon', 'Needs homing'];
+  if (state.path?.state === 'paused') return [4, 'soon', 'Its path is paused'];
   if (state.operation || state.state !== 'idle') return [5, 'busy', 'Busy'];
   return [6, 'no', 'Ready'];
 }

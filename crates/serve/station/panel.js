@@ -15,13 +15,17 @@ export function headline(state) {
   return [state.state.toUpperCase(), state.state];
 }
 
+/** Whether a path runs or is paused. @param {State} state */
+export const isTracing = ({ path }) => path !== null && ['running', 'paused'].includes(path.state);
+
 /** What a person should know beside the state. @param {State} state */
 export function note(state) {
   if (state.link !== 'connected') return state.linkNote;
+  const path = isTracing(state) ? `path ${state.path?.state}: ${state.path?.done} of ${state.path?.total}` : '';
   const doing = state.operation ? `${state.operation.text}` : '';
   const stops = ARMS.filter((_, arm) => state.stops[arm]).map((arm) => `end stop ${arm} pressed`);
   const unknown = state.displacements === null && state.state === 'idle' ? ['position unknown: home first'] : [];
-  return [doing, ...stops, ...unknown].filter(Boolean).join(' · ');
+  return [path, doing, ...stops, ...unknown].filter(Boolean).join(' · ');
 }
 
 export class Panel {
@@ -48,6 +52,8 @@ export class Panel {
     });
     by('home').addEventListener('click', () => { if (usable(by('home'))) this.ask('Home', (robot) => robot.home()); });
     by('drive').addEventListener('click', () => this.drive());
+    /** The limits that the note beside the fields has. */
+    this.limits = '';
     this.jog = new Jog((kind, index, step) => this.step(kind, index, step));
   }
 
@@ -153,6 +159,11 @@ export class Panel {
   update() {
     const state = this.robot()?.state;
     if (!state) return;
+    const limits = JSON.stringify(state.limits);
+    if (limits !== this.limits) {
+      this.limits = limits;
+      this.check();
+    }
     const [word, look] = headline(state);
     say(by('state'), word);
     by('state').dataset.state = look;

@@ -2,6 +2,7 @@
 import * as three from './vendor/three.js';
 import { by, enable, input, make, say, usable } from './dom.js';
 import { Drawing } from './draw.js';
+import { isTracing } from './panel.js';
 import { dispose, path } from './scene.js';
 
 /** @typedef {import('./kinematics.js').Vec} Vec */
@@ -237,7 +238,7 @@ export class PathPanel {
     const run = state.path;
     const drives = state.driver?.mine === true;
     const why = drives ? '' : 'take control first';
-    enable(by('path-run'), drives && this.checked?.unreachable.length === 0 && !state.operation && run?.state !== 'running' && run?.state !== 'paused',
+    enable(by('path-run'), drives && this.checked?.unreachable.length === 0 && !state.operation && !isTracing(state),
       why || (this.checked ? 'busy, or parts are out of reach' : 'no path yet'));
     enable(by('path-pause'), drives && run?.state === 'running', why || 'no path runs');
     enable(by('path-resume'), drives && run?.state === 'paused', why || 'no path is paused');
