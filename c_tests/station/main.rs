@@ -31,6 +31,7 @@ fn node(arguments: &[&str]) {
         .args(arguments)
         .current_dir(c_tests().join("station"))
         .env("DELTAROBOT_SERVE", env!("CARGO_BIN_EXE_deltarobot-serve"))
+        .env("DELTAROBOT_UI", env!("CARGO_BIN_EXE_deltarobot-ui"))
         .output()
         .unwrap();
     assert!(output.status.success(), "{arguments:?}:\n{}", support::text(&output));

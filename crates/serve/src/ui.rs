@@ -1,5 +1,6 @@
 //! `deltarobot ui`: the station for one robot, in a browser of this machine.
 
+use std::env;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -12,6 +13,8 @@ use deltarobot_cli::status::{Failure, Status};
 use crate::config::{self, File};
 
 /// Shows a robot in a browser: it can be watched, moved, and given paths to trace there.
+///
+/// The browser is the one that the environment variable BROWSER names, or the system's. Ends with Ctrl-C.
 #[derive(Debug, Parser)]
 #[command(name = "deltarobot ui", bin_name = "deltarobot ui", version, max_term_width = 100)]
 struct Arguments {
@@ -66,12 +69,13 @@ fn name_of(port: &Path) -> Result<config::Name, Failure> {
     config::Name::try_from(if name.is_empty() { "robot".to_owned() } else { name }).map_err(Failure::Usage)
 }
 
-/// Has the system open the page. The address was printed, so that a person can do it as well.
+/// Opens the page in `$BROWSER`, or has the system do it. The address was printed, so that a person can do it as well.
 fn show(url: &str) {
-    let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let system = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let opener = env::var_os("BROWSER").filter(|name| !name.is_empty()).unwrap_or_else(|| system.into());
     let started =
-        Command::new(opener).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        Command::new(&opener).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     if let Err(error) = started {
-        complain(&format!("{opener}: {error}; open {url} in a browser"));
+        complain(&format!("{}: {error}; open {url} in a browser", opener.display()));
     }
 }
