@@ -19,8 +19,8 @@ export const GEOMETRY = {
  * Starts a program and waits for the address it prints.
  * @param {string[]} words
  */
-export async function start(words, program = PROGRAM) {
-  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'inherit'] });
+export async function start(words, program = PROGRAM, env = {}) {
+  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'inherit'], env: { ...process.env, ...env } });
   const lines = createInterface({ input: child.stdout });
   const url = await new Promise((resolve, reject) => {
     lines.on('line', (line) => { if (line.startsWith('http://')) resolve(line); });
@@ -30,26 +30,27 @@ export async function start(words, program = PROGRAM) {
   return {
     url: String(url),
     child,
-    async stop() {
+    async stop(signal = 'SIGTERM') {
       if (child.exitCode !== null) return;
-      child.kill();
+      child.kill(/** @type {NodeJS.Signals} */ (signal));
       await once(child, 'exit');
     },
   };
 }
 
-/** @param {string} url @param {string} method @param {unknown} [body] */
-export async function api(url, method, body) {
-  const response = await fetch(url, { method, headers: { 'Content-Type': 'application/json' }, body: body === undefined ? undefined : JSON.stringify(body) });
+/** @param {string} url @param {string} method @param {unknown} [body] @param {Record<string, string>} [headers] */
+export async function api(url, method, body, headers = {}) {
+  const response = await fetch(url, { method, headers: { 'Content-Type': 'application/json', ...headers }, body: body === undefined ? undefined : JSON.stringify(body) });
   const text = await response.text();
   assert.ok(response.ok, `${method} ${url}: ${response.status} ${text}`);
   return text ? JSON.parse(text) : null;
 }
 
-export async function browser() {
+/** @param {string[]} [more] words of its command line */
+export async function browser(more = []) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', ...more],
   });
 }
 
@@ -83,6 +84,11 @@ export async function says(page, selector, text) {
   } catch {
     assert.fail(`${selector} says "${await element.textContent()}" instead of ${text}`);
   }
+}
+
+/** Waits until three.js is there, which is loaded when all else is shown. @param {import('playwright-core').Page} page */
+export async function inSpace(page) {
+  await page.waitForFunction(() => /** @type {any} */ (window).station?.scene?.drawn().robot, undefined, { timeout: PATIENCE });
 }
 
 /** @param {import('playwright-core').Page} page */

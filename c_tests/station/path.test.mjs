@@ -1,7 +1,7 @@
 // Paths: drawn with the mouse, loaded from each format, refused by line, run to the end, paused, cancelled.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, api, browser, drive, home, move, open, picture, says, standsAt, start } from './browser.mjs';
+import { GEOMETRY, api, browser, drive, home, inSpace, move, open, picture, says, standsAt, start } from './browser.mjs';
 
 /** @type {Awaited<ReturnType<typeof start>>} */
 let server;
@@ -22,6 +22,7 @@ before(async () => {
   await home(page);
   await move(page, [127.23, 79.13, 127.23]);
   await standsAt(page, ['127.23', '79.13', '127.23']);
+  await inSpace(page);
   await page.click('#tab-path');
 });
 after(async () => {
@@ -111,6 +112,15 @@ test('pause, resume and cancel', async () => {
   await page.click('#path-pause');
   await says(page, '#path-progress-text', /^paused: \d+ of/);
   await says(page, '#state', /IDLE/);
+  // Whoever comes now, sees that at once: nothing more is said about it before it goes on.
+  const late = await open(chromium, server.url);
+  await says(late.page, '#tiles', /sim1[^]*Its path is paused/);
+  await late.page.click('#tiles a:has-text("sim1")');
+  await says(late.page, '#state-note', /^path paused: \d+ of \d+/);
+  await late.page.click('#tab-path');
+  await says(late.page, '#path-progress-text', /^paused: \d+ of/);
+  assert.deepEqual(late.errors, []);
+  await late.context.close();
   await page.click('#path-resume');
   await says(page, '#path-progress-text', /^running: \d+ of/);
   await page.keyboard.press('Escape');

@@ -2,14 +2,12 @@
 import { Calibration } from './calibrate.js';
 import { cancelButton, onCancelKeys } from './cancel.js';
 import { Connection } from './connection.js';
-import { by, enable, input, make, number, say, select } from './dom.js';
+import { by, enable, input, make, number, options, say, select } from './dom.js';
 import { Fleet } from './fleet.js';
 import { Panel, headline } from './panel.js';
-import { PathPanel } from './path.js';
 import { Playback } from './playback.js';
 import { Plot } from './plot.js';
 import { Recorded } from './recorded.js';
-import { MachineScene } from './scene.js';
 import { Traffic } from './traffic.js';
 
 /** @typedef {import('./robot.js').Robot} Robot */
@@ -20,11 +18,9 @@ const connection = new Connection();
 let shown = null;
 const current = () => shown;
 
-const scene = new MachineScene(by('view'));
 const plot = new Plot(by('plot-area'), by('plot-values'));
 const traffic = new Traffic();
 const panel = new Panel(current);
-const paths = new PathPanel(current, scene);
 const fleet = new Fleet();
 new Calibration(current);
 const recorded = new Recorded();
@@ -41,6 +37,7 @@ const allCancel = cancelButton('cancel-all', cancelAll);
 
 async function cancelAll() {
   const robots = [...connection.robots.values()];
+  if (!robots.length) throw new Error('no robot is known');
   const outcomes = await Promise.allSettled(robots.map((robot) => robot.cancel()));
   const failed = outcomes.flatMap((outcome, at) => (outcome.status === 'rejected' ? [`${robots[at].name}: ${outcome.reason.message}`] : []));
   if (failed.length) throw new Error(failed.join('; '));
@@ -58,7 +55,29 @@ let spoken = '';
 function clear() {
   plot.clear();
   traffic.clear();
-  scene.clearTrace();
+  space?.scene.clearTrace();
+}
+
+/** What draws in three dimensions. @type {{ scene: import('./scene.js').MachineScene, paths: import('./path.js').PathPanel } | null} */
+let space = null;
+/** Why it can't. */
+let noSpace = '';
+
+/** @type {Promise<void> | undefined} */
+let loading;
+
+/** Loads that once a robot is shown: it is the largest part, and what the robot does is seen without it. */
+async function loadSpace() {
+  try {
+    const [{ MachineScene }, { PathPanel }] = await Promise.all([import('./scene.js'), import('./path.js')]);
+    const scene = new MachineScene(by('view'));
+    space = { scene, paths: new PathPanel(current, scene) };
+    space.paths.show(!by('path').hidden);
+  } catch (error) {
+    noSpace = `The machine can not be drawn here: ${error instanceof Error ? error.message : error}`;
+    by('path').append(make('p', { class: 'bad' }, noSpace));
+  }
+  if (shown) render(shown);
 }
 
 /** @param {Robot | null} robot */
@@ -69,13 +88,14 @@ function show(robot) {
   built = '';
   clear();
   cancel.clear();
-  paths.reset();
+  space?.paths.reset();
   by('robot').hidden = robot === null;
   by('playback').hidden = robot !== recorded.robot;
   if (robot === null) return;
   if (robot !== recorded.robot) robot.watch(showEntry);
   render(robot);
   panel.changeKind();
+  loading ??= loadSpace();
 }
 
 function route() {
@@ -111,6 +131,16 @@ function update(robot) {
 /** Shows what a robot's state is now. @param {Robot} robot */
 function render(robot) {
   const { state } = robot;
+  showPlace(robot);
+  panel.update();
+  if (space) draw(robot, space);
+  const word = `${robot.name}: ${headline(state)[0]}`;
+  if (word !== spoken) say(by('announce'), word);
+  spoken = word;
+}
+
+/** @param {Robot} robot @param {NonNullable<typeof space>} space */
+function draw({ state, targetPose }, { scene, paths }) {
   const geometry = JSON.stringify([state.machine, state.lengths]);
   if (geometry !== built) {
     if (built !== '') paths.reset();
@@ -118,21 +148,16 @@ function render(robot) {
     scene.setMachine(state.machine, state.lengths);
   }
   scene.setStops(state.stops);
-  scene.setPose(state.pose, robot.targetPose);
+  scene.setPose(state.pose, targetPose);
   if (state.pose) paths.addReached(state.pose);
-  showPlace(robot);
-  panel.update();
   paths.update();
-  const word = `${robot.name}: ${headline(state)[0]}`;
-  if (word !== spoken) say(by('announce'), word);
-  spoken = word;
 }
 
 /** The machine, or bars where no pose is known. @param {Robot} robot */
 function showPlace({ state }) {
   by('view').hidden = state.machine === null;
-  by('bars').hidden = state.pose !== null;
-  const why = state.machine === null ? 'The geometry of this robot is not set: only displacements can be shown.'
+  by('bars').hidden = state.pose !== null && noSpace === '';
+  const why = noSpace ? noSpace : state.machine === null ? 'The geometry of this robot is not set: only displacements can be shown.'
     : state.displacements === null ? 'The position is unknown: no pose is shown.'
       : state.pose === null ? 'No pose has these displacements.' : '';
   say(by('view-note'), state.stale && why === '' ? 'No connection: this is where it was last.' : why);
@@ -169,7 +194,7 @@ function openTab(name) {
     by(`tab-${tab}`).tabIndex = tab === name ? 0 : -1;
     by(tab).hidden = tab !== name;
   }
-  paths.show(name === 'path');
+  space?.paths.show(name === 'path');
   plot.draw();
   traffic.draw();
 }
@@ -197,8 +222,8 @@ pauseButton('traffic-pause', traffic);
 by('plot-all').addEventListener('click', () => plot.showAll());
 by('plot-csv').addEventListener('click', () => plot.saveCsv());
 by('plot-png').addEventListener('click', () => plot.savePng());
-by('view-reset').addEventListener('click', () => scene.resetView());
-by('trace-clear').addEventListener('click', () => scene.clearTrace());
+by('view-reset').addEventListener('click', () => space?.scene.resetView());
+by('trace-clear').addEventListener('click', () => space?.scene.clearTrace());
 
 select('theme').value = localStorage.getItem('theme') ?? '';
 function theme() {
@@ -214,15 +239,28 @@ theme();
 input('playback-file').addEventListener('change', async () => {
   const file = input('playback-file').files?.[0];
   if (!file) return;
+  say(by('playback-warning'), '');
   try {
     say(by('playback-note'), `${file.name}: being read…`);
-    const like = [...connection.robots.values()].find((robot) => robot.state.geometry);
-    playback.open(await recorded.read(file, like?.state ?? null));
+    const warning = await recorded.read(file);
+    options('playback-robot', [...recorded.stories.keys()]);
+    by('playback-robots').hidden = recorded.stories.size < 2;
+    await openStory();
+    say(by('playback-warning'), warning);
   } catch (error) {
     say(by('playback-note'), `${file.name}: ${error instanceof Error ? error.message : error}`);
   }
   enable(by('playback-play'), playback.entries.length > 0);
 });
+
+/** Plays one robot of a recording, by the geometry of the robot of that name, or of the first that has one. */
+async function openStory() {
+  const name = select('playback-robot').value;
+  const able = [...connection.robots.values()].filter((robot) => robot.state.geometry);
+  const like = able.find((robot) => robot.name === name) ?? able[0];
+  playback.open(await recorded.story(name, like?.state ?? null));
+}
+select('playback-robot').addEventListener('change', () => openStory().catch((error) => say(by('playback-note'), error.message)));
 
 recorded.robot.changed = update;
 connection.onRobots = route;
@@ -237,4 +275,4 @@ route();
 connection.open();
 
 // For the tests, and for whoever looks for an error.
-Object.assign(window, { station: { scene, plot, traffic, paths, connection, robot: current } });
+/** @type {any} */ (window).station = { plot, traffic, connection, robot: current, get scene() { return space?.scene; }, get paths() { return space?.paths; } };

@@ -1,5 +1,6 @@
 // The server: states of all robots over one WebSocket, which also holds the leases; messages of one over another.
-import { Robot, UNKNOWN, stateOf } from './robot.js';
+import { Robot, UNKNOWN, endText, stateOf } from './robot.js';
+import { askToken, tokenHeaders, tokenProtocols } from './token.js';
 
 /** @typedef {import('./robot.js').Wire} Wire */
 
@@ -9,7 +10,13 @@ const seconds = (/** @type {string} */ time) => Date.parse(time) / 1000;
 function socket(path) {
   const url = new URL(path, location.href);
   url.protocol = url.protocol.replace('http', 'ws');
-  return new WebSocket(url);
+  return new WebSocket(url, tokenProtocols());
+}
+
+/** Whether the server wants another token: a WebSocket is not told why it is refused. */
+async function isRefused() {
+  const answer = await fetch('/api/robots', { method: 'HEAD', headers: tokenHeaders() }).catch(() => null);
+  return answer?.status === 401;
 }
 
 export class Connection {
@@ -38,7 +45,7 @@ export class Connection {
       this.onLink('Connected', false);
     });
     this.events.addEventListener('message', ({ data }) => this.receive(JSON.parse(data)));
-    this.events.addEventListener('close', () => {
+    this.events.addEventListener('close', async () => {
       this.onLink('No connection to the server: trying again', true);
       for (const robot of this.robots.values()) {
         // The lease has ended with its connection.
@@ -46,8 +53,13 @@ export class Connection {
         robot.state = { ...robot.state, link: UNKNOWN.link, linkNote: 'no connection to the server', state: null, stale: true, driver: null, operation: null };
         robot.changed(robot);
       }
-      setTimeout(() => this.open(), this.wait);
-      this.wait = Math.min(this.wait * 2, 5000);
+      if (await isRefused()) {
+        await askToken();
+      } else {
+        await new Promise((resolve) => setTimeout(resolve, this.wait));
+        this.wait = Math.min(this.wait * 2, 5000);
+      }
+      this.open();
     });
   }
 
@@ -92,8 +104,7 @@ export class Connection {
       this.setDriver(robot, null);
       robot.changed(robot);
     } else if (event.type === 'ended') {
-      const { kind, outcome, reason } = event.operation;
-      this.robot(event.robot).watcher?.({ time: seconds(event.time), event: `${kind} ${outcome}${reason ? `: ${reason}` : ''}` });
+      this.robot(event.robot).watcher?.({ time: seconds(event.time), event: endText(event.operation) });
     } else if (event.type === 'path') {
       const robot = this.robot(event.robot);
       robot.run = event.run;

@@ -42,6 +42,11 @@ export function enable(button, enabled, why = '') {
 /** @param {Element} button */
 export const usable = (button) => button.getAttribute('aria-disabled') !== 'true';
 
+/** Has a select offer these. @param {string} id @param {string[]} values @param {string[]} [words] */
+export function options(id, values, words = values) {
+  select(id).replaceChildren(...values.map((value, at) => make('option', { value }, words[at])));
+}
+
 /** @param {string} name @param {Blob} blob */
 export function save(name, blob) {
   const link = make('a', { download: name, href: URL.createObjectURL(blob) });

@@ -21,7 +21,9 @@ export class Drawing {
     const canvas = scene.renderer.domElement;
     canvas.addEventListener('pointerdown', (event) => this.begin(event));
     canvas.addEventListener('pointermove', (event) => this.extend(event));
-    for (const name of /** @type {const} */ (['pointerup', 'pointercancel'])) canvas.addEventListener(name, () => this.end());
+    canvas.addEventListener('pointerup', (event) => { if (event.isPrimary) this.end(true); });
+    // The system has taken the pointer, for a gesture of its own.
+    canvas.addEventListener('pointercancel', () => this.end(false));
   }
 
   /**
@@ -102,7 +104,8 @@ export class Drawing {
     this.scene.wanted = true;
   }
 
-  end() {
+  /** @param {boolean} isDone whether that was meant as the end */
+  end(isDone) {
     const points = this.points;
     this.points = null;
     if (this.line) {
@@ -110,6 +113,6 @@ export class Drawing {
       this.line.removeFromParent();
       this.line = undefined;
     }
-    if (points && points.length > 1) this.done(points);
+    if (isDone && points && points.length > 1) this.done(points);
   }
 }

@@ -1,5 +1,5 @@
 // Jog pads: one press, one step, by the arms' displacements or along the machine's axes.
-import { by, enable, make, select, usable } from './dom.js';
+import { by, enable, make, options, select, usable } from './dom.js';
 
 /** Key, where it goes, and its name on the pad. @type {[string, 'arms' | 'axes', number, number, string][]} */
 const PADS = [
@@ -13,8 +13,8 @@ export class Jog {
   /** @param {(kind: 'arms' | 'axes', index: number, step: number) => void} act */
   constructor(act) {
     const group = by('jog');
-    for (const step of [0.1, 0.5, 1, 2.5, 5, 10]) select('jog-arm-step').append(make('option', { value: String(step) }, String(step)));
-    for (const mm of [0.1, 1, 5, 10, 50]) select('jog-axis-step').append(make('option', { value: String(mm / 1000) }, `${mm} mm`));
+    options('jog-arm-step', ['0.1', '0.5', '1', '2.5', '5', '10']);
+    options('jog-axis-step', ['0.0001', '0.001', '0.005', '0.01', '0.05'], ['0.1 mm', '1 mm', '5 mm', '10 mm', '50 mm']);
     select('jog-arm-step').value = '2.5';
     select('jog-axis-step').value = '0.005';
     this.buttons = PADS.map(([key, kind, index, sign, name]) => {

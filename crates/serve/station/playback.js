@@ -1,7 +1,10 @@
 // A recording in the same views as a robot: its entries are fed again, up to a time that moves or is dragged.
-import { by, input, make, say, select } from './dom.js';
+import { by, input, options, say, select } from './dom.js';
 
 /** @typedef {import('./robot.js').Entry} Entry */
+
+/** What the views can hold: no more than that is fed to them at a time. */
+const FED = 100_000;
 
 export class Playback {
   /**
@@ -16,7 +19,7 @@ export class Playback {
     this.next = 0;
     this.time = 0;
     this.playing = false;
-    for (const speed of [0.1, 0.5, 1, 2, 5, 20]) select('playback-speed').append(make('option', { value: String(speed) }, `${speed} ×`));
+    options('playback-speed', ['0.1', '0.5', '1', '2', '5', '20'], ['0.1 ×', '0.5 ×', '1 ×', '2 ×', '5 ×', '20 ×']);
     select('playback-speed').value = '1';
     by('playback-play').addEventListener('click', () => this.play(!this.playing));
     input('playback-time').addEventListener('input', () => this.seek(this.start + Number(input('playback-time').value)));
@@ -32,7 +35,9 @@ export class Playback {
 
   /** @param {Entry[]} entries in the order of their times */
   open(entries) {
+    this.play(false);
     this.entries = entries;
+    this.time = Infinity;
     input('playback-time').max = String(this.end - this.start);
     this.seek(this.start);
   }
@@ -55,20 +60,33 @@ export class Playback {
 
   /** @param {number} time */
   seek(time) {
-    if (time < this.time || this.next === 0) {
+    const passed = this.passed(time);
+    if (time < this.time || passed > this.next + FED) {
       this.restart();
-      this.next = 0;
+      this.next = Math.max(0, passed - FED);
     }
     this.advance(time);
+  }
+
+  /** How many entries have happened by then. @param {number} time */
+  passed(time) {
+    let [low, high] = [0, this.entries.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.entries[middle].time <= time) low = middle + 1; else high = middle;
+    }
+    return low;
   }
 
   /** @param {number} time */
   advance(time) {
     this.time = Math.min(time, this.end);
     const from = this.next;
-    while (this.next < this.entries.length && this.entries[this.next].time <= this.time) this.next += 1;
+    this.next = this.passed(this.time);
     if (this.next > from) this.feed(this.entries.slice(from, this.next));
     input('playback-time').value = String(this.time - this.start);
-    say(by('playback-note'), `${(this.time - this.start).toFixed(1)} of ${(this.end - this.start).toFixed(1)} s, ${new Date(this.time * 1000).toLocaleString()}`);
+    // Times of a recording without a date begin at 0.
+    const date = this.start > 1e8 ? `, ${new Date(this.time * 1000).toLocaleString()}` : '';
+    say(by('playback-note'), `${(this.time - this.start).toFixed(1)} of ${(this.end - this.start).toFixed(1)} s${date}`);
   }
 }

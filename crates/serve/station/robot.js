@@ -1,5 +1,6 @@
 // A robot as the page sees it: its state, and what can be asked of it.
 import { number } from './dom.js';
+import { tokenHeaders } from './token.js';
 
 /** @typedef {import('./kinematics.js').Vec} Vec */
 /** @typedef {import('./kinematics.js').Machine} Machine */
@@ -70,6 +71,9 @@ export const UNKNOWN = {
 
 const ARMS = ['A', 'B', 'C'];
 
+/** How an operation ended. @param {Partial<Operation>} operation */
+export const endText = ({ kind, outcome, reason }) => `${kind} ${String(outcome).replace('_', ' ')}${reason ? `: ${reason}` : ''}`;
+
 /** What people read in a state. @param {Wire} wire @param {boolean} mine whether this page drives @returns {State} */
 export function stateOf(wire, mine) {
   const { geometry, operation, health } = wire;
@@ -114,7 +118,7 @@ export async function ask(method, path, body, headers = {}) {
   const raw = body instanceof Blob;
   const response = await fetch(path, {
     method,
-    headers: body === undefined ? headers : { ...headers, 'Content-Type': raw ? 'application/octet-stream' : 'application/json' },
+    headers: { ...tokenHeaders(), ...headers, ...(body === undefined ? {} : { 'Content-Type': raw ? 'application/octet-stream' : 'application/json' }) },
     body: raw ? body : body === undefined ? undefined : JSON.stringify(body),
     signal: AbortSignal.timeout(raw ? 120_000 : 20_000),
   }).catch((error) => {

@@ -264,7 +264,7 @@ function label(text, at, size) {
   canvas.width = canvas.height = 64;
   const context = canvas.getContext('2d');
   if (context) {
-    context.fillStyle = '#8b949b';
+    context.fillStyle = '#6f7a83';
     context.font = 'bold 48px sans-serif';
     context.textAlign = 'center';
     context.fillText(text, 32, 50);

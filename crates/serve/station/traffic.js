@@ -1,36 +1,62 @@
-// The messages in words beside their bytes. Bounded; drawn at most once a frame, and only what is on the page.
+// The messages in words beside their bytes. The last ones are kept; rows are made of those alone that are in sight.
 import { by, input, make, say } from './dom.js';
+import { Ring } from './ring.js';
 
-const KEPT = 2000;
-const SHOWN = 200;
+const KEPT = 50_000;
+const SIZE = 12 << 20;
 
 /** @typedef {{ time: number, from: string, text: string, bytes: string, bad: boolean }} Entry */
 
 export class Traffic {
   constructor() {
-    /** @type {Entry[]} */
-    this.entries = [];
+    this.ring = new Ring(KEPT, SIZE);
     this.total = 0;
     this.paused = false;
     this.due = false;
+    /** The numbers of what the filter leaves; null where there is none. @type {number[] | null} */
+    this.found = null;
+    /** The number of the first row. */
+    this.top = 0;
     this.rows = by('traffic-rows');
     this.scroll = by('traffic-scroll');
-    this.filter = input('traffic-filter');
-    this.filter.addEventListener('input', () => this.draw());
+    this.above = spacer();
+    this.below = spacer();
+    this.scroll.addEventListener('scroll', () => this.draw());
+    input('traffic-filter').addEventListener('input', () => this.search());
   }
 
   clear() {
-    this.entries = [];
+    this.ring.clear();
     this.total = 0;
-    this.draw();
+    this.search();
   }
 
   /** @param {Entry} entry */
   add(entry) {
-    this.entries.push(entry);
+    this.ring.add(entry);
     this.total += 1;
-    if (this.entries.length > KEPT) this.entries.splice(0, KEPT / 10);
+    if (this.found && this.matches(entry)) this.found.push(this.ring.next - 1);
     if (!this.paused) this.drawSoon();
+  }
+
+  get wanted() {
+    return input('traffic-filter').value.trim().toLowerCase();
+  }
+
+  /** @param {Entry} entry */
+  matches({ from, text, bytes }) {
+    return `${from} ${text} ${bytes}`.toLowerCase().includes(this.wanted);
+  }
+
+  /** Looks through all that is kept for what the filter wants. */
+  search() {
+    this.found = null;
+    if (this.wanted) {
+      this.found = [];
+      for (let number = this.ring.first; number < this.ring.next; number += 1) if (this.matches(this.ring.get(number))) this.found.push(number);
+    }
+    this.top = this.ring.first;
+    this.draw(true);
   }
 
   drawSoon() {
@@ -38,20 +64,35 @@ export class Traffic {
     this.due = true;
     setTimeout(() => {
       this.due = false;
-      if (!this.paused) this.draw();
-    }, 400);
+      this.draw();
+    }, 250);
   }
 
-  draw() {
-    const wanted = this.filter.value.trim().toLowerCase();
-    const matches = this.entries.filter(({ from, text, bytes }) => !wanted || `${from} ${text} ${bytes}`.toLowerCase().includes(wanted));
-    const follows = this.scroll.scrollTop + this.scroll.clientHeight >= this.scroll.scrollHeight - 30;
-    this.rows.replaceChildren(...matches.slice(-SHOWN).map(({ time, from, text, bytes, bad }) => {
+  /** @param {boolean} [toEnd] whether to show the newest ones, as it does where they are in sight */
+  draw(toEnd = this.scroll.scrollTop + this.scroll.clientHeight >= this.scroll.scrollHeight - 30) {
+    const { found, ring, scroll } = this;
+    // What is no longer kept moves the others up; whoever reads them has them stand.
+    const kept = found ? found.findIndex((number) => number >= ring.first) : ring.first - this.top;
+    const gone = kept < 0 ? found?.length ?? 0 : kept;
+    found?.splice(0, gone);
+    this.top = ring.first;
+    const count = found ? found.length : ring.length;
+    const height = this.rows.children[1]?.getBoundingClientRect().height || 17;
+    const shown = Math.ceil(scroll.clientHeight / height) + 2;
+    const begin = toEnd ? Math.max(0, count - shown) : Math.min(Math.max(0, Math.floor(scroll.scrollTop / height) - gone), Math.max(0, count - shown));
+    const end = Math.min(count, begin + shown);
+    const rows = [];
+    for (let row = begin; row < end; row += 1) {
+      const { time, from, text, bytes, bad } = ring.get(found ? found[row] : ring.first + row);
       const cells = [new Date(time * 1000).toISOString().slice(11, 23), from, text, bytes];
-      return make('tr', bad ? { class: 'bad' } : {}, ...cells.map((cell) => make('td', {}, cell)));
-    }));
-    say(by('traffic-count'), wanted ? `${matches.length} of the last ${this.entries.length}` : `${this.total} messages`);
-    if (follows) this.scroll.scrollTop = this.scroll.scrollHeight;
+      rows.push(make('tr', bad ? { class: 'bad' } : {}, ...cells.map((cell) => make('td', {}, cell))));
+    }
+    this.above.style.height = `${begin * height}px`;
+    this.below.style.height = `${(count - end) * height}px`;
+    this.rows.replaceChildren(this.above, ...rows, this.below);
+    say(by('traffic-count'), found ? `${count} of the last ${ring.length}` : `${this.total} messages${this.total > ring.length ? `; the last ${ring.length} are kept` : ''}`);
+    if (toEnd) scroll.scrollTop = scroll.scrollHeight;
+    else if (gone > 0) scroll.scrollTop -= gone * height;
   }
 
   /** @param {boolean} paused */
@@ -60,3 +101,6 @@ export class Traffic {
     this.draw();
   }
 }
+
+/** Stands for the rows that are not in sight. */
+const spacer = () => make('tr', { 'aria-hidden': 'true' });
