@@ -106,8 +106,9 @@ test('accessible, in light and dark, narrow and wide', async () => {
   for (const [colorScheme, width, height] of /** @type {const} */ ([['light', 1280, 800], ['dark', 1280, 800], ['dark', 360, 740], ['light', 3840, 2160]])) {
     const { page, context } = await open(chromium, `${server.url}/#/robot/sim1`, { colorScheme, viewport: { width, height }, bypassCSP: true });
     await says(page, '#state', /IDLE/);
-    for (const place of ['plot', 'traffic', 'path', 'fleet', 'calibrate']) {
+    for (const place of ['plot', 'traffic', 'path', 'recording', 'fleet', 'calibrate']) {
       if (place === 'fleet') await page.goto(`${server.url}/#/`);
+      else if (place === 'recording') await page.goto(`${server.url}/#/recording`);
       else if (place === 'calibrate') {
         await page.goto(`${server.url}/#/robot/sim1`);
         await page.click('#calibrate-open');
@@ -135,7 +136,7 @@ test('accessible, in light and dark, narrow and wide', async () => {
 test('the layout at 1280 by 800, and its picture', async () => {
   const { page, context, errors } = await open(chromium, `${server.url}/#/robot/sim1`);
   await says(page, '#state', /IDLE/);
-  await says(page, '#move-note', /^units of the controller: A 0 to 300, B 0 to 300, C 0 to 300$/);
+  await says(page, '#move-note', /^controller units: A 0 to 300, B 0 to 300, C 0 to 300$/);
   await drive(page);
   await home(page);
   await move(page, [127.2, 79.1, 127.2]);

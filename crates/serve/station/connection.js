@@ -54,6 +54,7 @@ export class Connection {
         robot.changed(robot);
       }
       if (await isRefused()) {
+        this.onLink('The server asks for a token', true);
         await askToken();
       } else {
         await new Promise((resolve) => setTimeout(resolve, this.wait));

@@ -39,7 +39,7 @@ export class Fleet {
     const sorted = robots.map((robot) => ({ robot, rank: need(robot.state) }))
       .sort((one, other) => one.rank[0] - other.rank[0] || one.robot.name.localeCompare(other.robot.name, undefined, { numeric: true }));
     const urgent = sorted.filter(({ rank }) => rank[1] === 'now').length;
-    say(by('fleet-note'), `${robots.length} robots, ${urgent === 0 ? 'none needs a person' : `${urgent} need${urgent === 1 ? 's' : ''} a person`}`);
+    say(by('fleet-note'), robots.length === 0 ? 'No robot is known yet' : `${robots.length} robots, ${urgent === 0 ? 'none needs a person' : `${urgent} need${urgent === 1 ? 's' : ''} a person`}`);
     const list = by('tiles');
     sorted.forEach(({ robot, rank: [, look, text] }, at) => {
       const { tile, ...parts } = this.tile(robot.name);

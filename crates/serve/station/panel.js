@@ -92,7 +92,7 @@ export class Panel {
     this.fields.forEach(({ field }, index) => field.setAttribute('aria-invalid', String('bad' in target && target.bad[index])));
     const limits = this.robot()?.state?.limits;
     const units = this.kind === 'axes' ? 'metres, in the frame of the geometry'
-      : `units of the controller${limits ? `: ${limits.map(([low, high], arm) => `${ARMS[arm]} ${low} to ${high}`).join(', ')}` : ''}`;
+      : `controller units${limits ? `: ${limits.map(([low, high], arm) => `${ARMS[arm]} ${low} to ${high}`).join(', ')}` : ''}`;
     this.noteMove('why' in target && target.why ? target.why : units, 'why' in target && target.why !== '');
     this.update();
   }
@@ -168,7 +168,10 @@ export class Panel {
     say(by('state'), word);
     by('state').dataset.state = look;
     say(by('state-note'), note(state));
-    say(by('driver'), state.driver ? (state.driver.mine ? 'You drive' : `${state.driver.name} drives: you watch`) : 'Nobody drives');
+    const isRecording = this.robot()?.connection === null;
+    say(by('driver'), isRecording ? 'A recording: nothing here is driven'
+      : state.driver ? (state.driver.mine ? 'You drive' : `${state.driver.name} drives: you watch`) : 'Nobody drives');
+    by('drive').hidden = isRecording;
     say(by('drive'), state.driver ? (state.driver.mine ? 'Give back' : 'Take over') : 'Take control');
     this.cells.forEach(({ value, stop }, arm) => {
       say(value, number(state.displacements?.[arm]));
