@@ -16,13 +16,14 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::os::fd::OwnedFd;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Barrier};
+use std::sync::{Arc, Barrier, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use deltarobot_cli::pty::{Input, Pty};
+use deltarobot_cli::far_end::{FarEnd, Input, Place};
 use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX, Position, Report, encode};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -41,7 +42,9 @@ struct Load {
 
 /// A robot that counts its reports by where it says it is.
 struct Robot {
-    pty: Pty,
+    line: Mutex<Box<dyn FarEnd>>,
+    /// The same, to be polled.
+    polled: OwnedFd,
     is_moving: AtomicBool,
     count: AtomicU64,
     /// When each report was sent, in nanoseconds since the beginning.
@@ -146,14 +149,17 @@ impl Load {
 impl Robot {
     fn new(reports: usize) -> Self {
         let sent = (0..reports).map(|_| AtomicU64::new(0)).collect();
-        Self { pty: Pty::new(None).unwrap(), is_moving: false.into(), count: 0.into(), sent, cancelled: 0.into() }
+        let line = Place::default().make(None).unwrap();
+        let polled = line.as_fd().try_clone_to_owned().unwrap();
+        let (is_moving, count, cancelled) = (false.into(), 0.into(), 0.into());
+        Self { line: line.into(), polled, is_moving, count, sent, cancelled }
     }
 
     fn say(&self, message: &Message) {
         let (mut payload, mut frame) = ([0; PAYLOAD_MAX], [0; 64]);
         let length = message.write(Layout::Firmware, &mut payload);
         let length = encode(message.opcode(), &payload[..length], &mut frame).unwrap();
-        self.pty.write(&frame[..length]).unwrap();
+        self.line.lock().unwrap().write(&frame[..length]).unwrap();
     }
 
     fn report(&self, count: u64, began: Instant) {
@@ -193,7 +199,7 @@ fn report(robots: &[Robot], is_over: &AtomicBool, began: Instant) {
 fn answer(robots: &[Robot], is_over: &AtomicBool, began: Instant) {
     let mut room = [0; 256];
     while !is_over.load(Relaxed) {
-        let mut polled: Vec<_> = robots.iter().map(|robot| PollFd::new(&robot.pty, PollFlags::IN)).collect();
+        let mut polled: Vec<_> = robots.iter().map(|robot| PollFd::new(&robot.polled, PollFlags::IN)).collect();
         let time = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
         if poll(&mut polled, Some(&time)).is_err() {
             continue;
@@ -201,7 +207,8 @@ fn answer(robots: &[Robot], is_over: &AtomicBool, began: Instant) {
         let ready: Vec<_> = polled.iter().map(|polled| polled.revents().contains(PollFlags::IN)).collect();
         for (robot, _) in robots.iter().zip(ready).filter(|(_, is_ready)| *is_ready) {
             let now = nanoseconds(began);
-            let Input::Bytes(count) = robot.pty.read(&mut room, Duration::ZERO).unwrap() else { continue };
+            let came = robot.line.lock().unwrap().read(&mut room, Duration::ZERO).unwrap();
+            let Input::Bytes(count) = came else { continue };
             // Requests come whole, and no target looks like one.
             for request in room[..count].windows(2).filter(|window| window[0] == b'$') {
                 let opcode = Opcode(request[1]);
@@ -225,7 +232,10 @@ fn answer(robots: &[Robot], is_over: &AtomicBool, began: Instant) {
 }
 
 fn start(program: &str, robots: &[Robot]) -> (Child, SocketAddr) {
-    let named = robots.iter().enumerate().map(|(number, robot)| format!("r{number}={}", robot.pty.path().display()));
+    let named = robots
+        .iter()
+        .enumerate()
+        .map(|(number, robot)| format!("r{number}={}", robot.line.lock().unwrap().path().display()));
     let mut child = Command::new(program)
         .args(["--listen", "127.0.0.1:0", "--keep-moving"])
         .args(named)

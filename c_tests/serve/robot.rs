@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use deltarobot_cli::pty::{Input, Pty};
+use deltarobot_cli::far_end::{Input, Place};
 use deltarobot_cli::sim::deltarobot::{Controller, ControllerOptions};
 use deltarobot_cli::sim::random::Random;
 use deltarobot_cli::sim::{Machine, TICK};
@@ -41,7 +41,7 @@ impl Robot {
 
     /// Puts it at the line.
     pub(super) fn plug(&mut self, mut controller: Controller) {
-        let pty = Pty::new(Some(&self.link)).unwrap();
+        let mut line = Place::linked(&self.link).make(None).unwrap();
         let (heard, is_mute, is_over) = (Arc::clone(&self.heard), Arc::clone(&self.is_mute), Arc::default());
         let over = Arc::clone(&is_over);
         let began = Instant::now();
@@ -50,13 +50,13 @@ impl Robot {
             while !AtomicBool::load(&over, Ordering::Relaxed) {
                 std::thread::sleep(TICK);
                 let (now, mut out) = (began.elapsed(), Vec::new());
-                if let Input::Bytes(count @ 1..) = pty.read(&mut room, Duration::ZERO).unwrap() {
+                if let Input::Bytes(count @ 1..) = line.read(&mut room, Duration::ZERO).unwrap() {
                     heard.lock().unwrap().extend_from_slice(&room[..count]);
                     controller.receive(&room[..count], now, &mut out);
                 }
                 controller.turn(now, &mut out);
                 if !is_mute.load(Ordering::Relaxed) {
-                    pty.write(&out).unwrap();
+                    line.write(&out).unwrap();
                 }
             }
             controller

@@ -1,6 +1,6 @@
 //! Events.
 
-use deltarobot_cli::pty::Pty;
+use deltarobot_cli::far_end::Place;
 use deltarobot_protocols::deltarobot::{Layout, Message, PAYLOAD_MAX, Position, Report, encode};
 use serde_json::json;
 
@@ -42,8 +42,8 @@ fn who_watches_sees_all_in_its_order() {
 #[test]
 fn a_slow_watcher_loses_the_oldest_and_is_told_how_many() {
     // A robot that reports as fast as it can.
-    let pty = Pty::new(None).unwrap();
-    let server = Server::start(&[&format!("lab={}", pty.path().display())]);
+    let mut line = Place::default().make(None).unwrap();
+    let server = Server::start(&[&format!("lab={}", line.path().display())]);
     server.state_when("lab", |state| state["link"] == "up");
     let (mut payload, mut frame) = ([0; PAYLOAD_MAX], [0; 64]);
     let report = Message::StatusReport(Report::new(Position([0; 3]), 0));
@@ -55,7 +55,7 @@ fn a_slow_watcher_loses_the_oldest_and_is_told_how_many() {
     let first = slow.event()["seq"].as_u64().unwrap();
     // More states than the system and the program keep for one that does not read.
     found("enough states", || {
-        (0..100).for_each(|_| pty.write(&frame[..length]).unwrap());
+        (0..100).for_each(|_| line.write(&frame[..length]).unwrap());
         (seq() > first + 10_000).then_some(())
     });
     let (mut seen, mut dropped) = (0, 0);

@@ -27,6 +27,7 @@ pub mod clock;
 mod decode;
 pub mod decoder;
 mod external;
+pub mod far_end;
 mod generate;
 pub mod hex;
 mod monitor;
@@ -35,7 +36,6 @@ pub mod path;
 pub mod port;
 mod ports;
 mod protocol;
-pub mod pty;
 mod record;
 pub mod recording;
 mod replay;
@@ -46,14 +46,14 @@ mod signals;
 pub mod sim;
 mod source;
 pub mod status;
-mod tap;
+pub mod system;
 pub mod wait;
 pub mod words;
 
 pub use operation::driver::session_settings;
 pub use protocol::{Protocol, Spoken};
 pub use record::size;
-pub use signals::{Signals, bear_size_limits};
+pub use signals::Signals;
 pub use source::CHUNK;
 
 use std::ffi::OsString;
@@ -84,7 +84,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulates a controller or devices on a pseudo-terminal
+    /// Simulates a controller or devices, on a pseudo-terminal or a port of TCP
     Sim(sim::Arguments),
     /// Has the robot home, and waits until it has
     Home(operation::Home),

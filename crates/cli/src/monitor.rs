@@ -1,15 +1,12 @@
 //! `deltarobot monitor`: what passes on a line, in words.
 
-use std::fs;
-use std::io;
-use std::os::fd::AsFd;
-use std::os::unix::fs::FileTypeExt;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use chrono::{DateTime, Local, SecondsFormat, Utc};
 use rustix::event::PollFlags;
-use rustix::io::Errno;
 use serde_json::json;
 
 use crate::clock::{Clock, SLICE};
@@ -21,6 +18,7 @@ use crate::screen::{Screen, complain};
 use crate::signals::Signals;
 use crate::source::{self, CHUNK, Progress, Source};
 use crate::status::{Failure, Status};
+use crate::system::{Stream, input, is_device};
 use crate::wait::wait;
 
 #[derive(Debug, clap::Args)]
@@ -62,11 +60,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
     let path = arguments.source.as_path();
     if path.as_os_str() == "-" {
-        return Monitor::new(arguments, GAP_NETWORK).watch_stream(Path::new("standard input"), &io::stdin(), &signals);
+        return Monitor::new(arguments, GAP_NETWORK).watch_stream(Path::new("standard input"), input(), &signals);
     }
     let kind = fs::metadata(path).map(|metadata| metadata.file_type());
     let is_missing = arguments.reconnect && kind.is_err();
-    if is_missing || is_url(path) || kind.as_ref().is_ok_and(FileTypeExt::is_char_device) {
+    if is_missing || is_url(path) || is_device(path) {
         return Monitor::new(arguments, GAP_USB).watch_device(arguments, &signals);
     }
     let kind = kind.map_err(|error| Failure::of_file(path.display(), &error))?;
@@ -76,8 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if kind.is_file() {
         return Monitor::new(arguments, GAP_USB).watch_file(path, &signals);
     }
-    let file = fs::File::open(path).map_err(|error| Failure::of_file(path.display(), &error))?;
-    Monitor::new(arguments, GAP_NETWORK).watch_stream(path, &file, &signals)
+    Monitor::new(arguments, GAP_NETWORK).watch_stream(path, File::open(path), &signals)
 }
 
 struct Monitor {
@@ -160,21 +157,22 @@ impl Monitor {
         Ok(())
     }
 
-    fn watch_stream(mut self, name: &Path, stream: &impl AsFd, signals: &Signals) -> Result<Status, Failure> {
-        let failure = |error: Errno| Failure::of_file(name.display(), &error.into());
+    fn watch_stream(mut self, name: &Path, stream: io::Result<File>, signals: &Signals) -> Result<Status, Failure> {
+        let failure = |error| Failure::of_file(name.display(), &error);
+        let stream = stream.and_then(Stream::new).map_err(failure)?;
         let (mut clock, mut room, mut source) = (Clock::new(), vec![0; CHUNK], Source::new(name));
         self.begins_now();
         while !signals.came() {
             let received = clock.receive(SLICE, |time| {
-                let happened = wait(stream, time).map_err(failure)?;
+                let happened = wait(stream.as_fd(), time).map_err(|error| failure(error.into()))?;
                 if happened.is_empty() {
                     return Ok(None);
                 }
                 // What is already there, as more may be; the end is 0 bytes.
-                match rustix::io::read(stream, &mut room) {
+                match stream.read(&mut room) {
                     Ok(count) => Ok(Some(count)),
-                    Err(Errno::AGAIN | Errno::INTR) => Ok(None),
-                    Err(_) if !happened.contains(PollFlags::IN) => Ok(Some(0)),
+                    Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(None),
+                    Err(_) if !happened.intersects(PollFlags::IN) => Ok(Some(0)),
                     Err(error) => Err(failure(error)),
                 }
             })?;

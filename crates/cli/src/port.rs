@@ -1,22 +1,20 @@
 //! The ports that the program's arguments name.
 
 mod network;
-mod serial;
 mod telnet;
 
 use std::fmt;
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use rustix::event::PollFlags;
+use rustix::fd::{AsFd, BorrowedFd};
 use rustix::io::Errno;
-use rustix::termios::tcdrain;
-use serial2::SerialPort;
 
 use crate::screen::complain;
 use crate::status::{Failure, system_text};
+use crate::system::{Line, is_direct, is_gone};
 use crate::wait::{wait, wait_for};
 use network::Network;
 pub use network::is_url;
@@ -93,7 +91,7 @@ pub enum Level {
 }
 
 impl Level {
-    fn is_on(self) -> bool {
+    pub(crate) fn is_on(self) -> bool {
         self == Self::On
     }
 }
@@ -116,13 +114,12 @@ pub fn positive_seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Why a port can't be used.
-enum Cause {
+pub(crate) enum Cause {
     System(io::Error),
-    /// The group that may.
-    NotAllowed(Option<String>),
     InUse,
     NoSerialPort,
-    OwnTerminal,
+    /// The system's reason.
+    NotUsable(String),
     NotTaken(u32),
     NoLine(&'static str),
     /// What becomes of the lines is not ours to say.
@@ -132,13 +129,16 @@ enum Cause {
     TimedOut,
 }
 
-impl From<Errno> for Cause {
+impl From<io::Error> for Cause {
     /// What an error of a device that was open means.
+    fn from(error: io::Error) -> Self {
+        if is_gone(&error) { Self::Disconnected } else { Self::System(error) }
+    }
+}
+
+impl From<Errno> for Cause {
     fn from(error: Errno) -> Self {
-        match error {
-            Errno::IO | Errno::NXIO | Errno::NODEV | Errno::PIPE | Errno::CONNRESET => Self::Disconnected,
-            _ => Self::System(error.into()),
-        }
+        io::Error::from(error).into()
     }
 }
 
@@ -146,15 +146,9 @@ impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::System(error) => f.write_str(&system_text(error)),
-            Self::NotAllowed(None) => f.write_str("Permission denied"),
-            Self::NotAllowed(Some(group)) => write!(
-                f,
-                "Permission denied; members of the group {group} may use it (`sudo usermod -aG {group} $USER`, then \
-                 log in again)"
-            ),
             Self::InUse => f.write_str("in use by another program"),
             Self::NoSerialPort => f.write_str("not a serial port"),
-            Self::OwnTerminal => f.write_str("the terminal that this program runs in"),
+            Self::NotUsable(reason) => f.write_str(reason),
             Self::NotTaken(baud) => write!(f, "can't be set to {baud} baud 8N1"),
             Self::NoLine(name) => write!(f, "has no line {name}"),
             Self::ClosedByServer => f.write_str("--at-close: the server at the port decides that"),
@@ -207,11 +201,12 @@ impl<'a> Opening<'a> {
 
 /// The ways to a port.
 enum Port {
-    Serial(SerialPort),
+    Serial(Line),
     Network(Network),
 }
 
-impl AsFd for Port {
+impl Port {
+    /// What can be polled and read.
     fn as_fd(&self) -> BorrowedFd<'_> {
         match self {
             Self::Serial(port) => port.as_fd(),
@@ -237,8 +232,8 @@ impl Device {
         let opened = if is_url(path) {
             Network::open(path, options).map(|network| (Port::Network(network), GAP_NETWORK))
         } else {
-            let gap = if serial::is_direct(path) { GAP_DIRECT } else { GAP_USB };
-            serial::open_serial(path, options).map(|port| (Port::Serial(port), gap))
+            let gap = if is_direct(path) { GAP_DIRECT } else { GAP_USB };
+            Line::open(path, options).map(|line| (Port::Serial(line), gap))
         };
         let (port, gap) = opened.map_err(|cause| Failure::of(path.display(), cause))?;
         // At low speeds, the time of some bytes.
@@ -274,19 +269,18 @@ impl Device {
     }
 
     fn try_to_read(&mut self, time: Duration) -> Result<usize, Cause> {
-        let happened = wait(&self.port, time)?;
+        let happened = wait(self.port.as_fd(), time)?;
         if happened.is_empty() {
             return Ok(0);
         }
         // Even if the device is gone: there may be something left to read.
-        if !happened.contains(PollFlags::IN) {
+        if !happened.intersects(PollFlags::IN) {
             return Err(Cause::Disconnected);
         }
-        let port = match &mut self.port {
-            Port::Serial(port) => port,
-            Port::Network(network) => return network.read(self.room.as_mut_slice()),
-        };
-        match rustix::io::read(port, self.room.as_mut_slice()) {
+        if let Port::Network(network) = &mut self.port {
+            return network.read(self.room.as_mut_slice());
+        }
+        match rustix::io::read(self.port.as_fd(), self.room.as_mut_slice()) {
             // There was something to read, so nothing is the end.
             Ok(0) => Err(Cause::Disconnected),
             Ok(count) => Ok(count),
@@ -313,20 +307,24 @@ impl Device {
         let mut bytes = if wrapped.is_empty() { bytes } else { &wrapped };
         let began = Instant::now();
         while !bytes.is_empty() {
-            match rustix::io::write(&self.port, bytes) {
+            let written = match &self.port {
+                Port::Serial(line) => line.write(bytes),
+                Port::Network(network) => rustix::io::write(&network.stream, bytes).map_err(io::Error::from),
+            };
+            match written {
                 Ok(written @ 1..) => bytes = bytes.get(written..).unwrap_or_default(),
-                Err(Errno::INTR) => (),
-                Ok(0) | Err(Errno::AGAIN) => {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => (),
+                Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(error.into()),
+                _ => {
                     let left = WRITE_TIME.saturating_sub(began.elapsed());
                     if left.is_zero() {
                         return Err(Cause::TimedOut);
                     }
-                    let happened = wait_for(&self.port, PollFlags::OUT, left)?;
-                    if !happened.is_empty() && !happened.contains(PollFlags::OUT) {
+                    let happened = wait_for(self.port.as_fd(), PollFlags::OUT, left)?;
+                    if !happened.is_empty() && !happened.intersects(PollFlags::OUT) {
                         return Err(Cause::Disconnected);
                     }
                 }
-                Err(error) => return Err(error.into()),
             }
         }
         Ok(())
@@ -334,30 +332,16 @@ impl Device {
 
     /// Waits until all was sent.
     pub fn drain(&mut self) -> Result<(), Failure> {
-        loop {
-            let Port::Serial(port) = &self.port else { return Ok(()) };
-            match tcdrain(port) {
-                Err(Errno::INTR) => (),
-                result => return result.map_err(|error| self.failure(error.into())),
-            }
-        }
+        let Port::Serial(line) = &self.port else { return Ok(()) };
+        line.drain().map_err(|error| self.failure(error.into()))
+    }
+
+    /// What becomes readable when something comes.
+    pub fn as_fd(&self) -> BorrowedFd<'_> {
+        self.port.as_fd()
     }
 
     fn failure(&self, cause: Cause) -> Failure {
         Failure::of(self.path.display(), cause)
-    }
-}
-
-impl AsFd for Device {
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.port.as_fd()
-    }
-}
-
-impl Drop for Device {
-    fn drop(&mut self) {
-        if let Port::Serial(port) = &self.port {
-            serial::release(port);
-        }
     }
 }

@@ -5,15 +5,14 @@ mod file;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-
 use crate::clock::{Clock, SLICE};
+use crate::far_end::{FarEnd, Input, Place};
 use crate::port::{Device, Opening, PortOptions};
-use crate::pty::{Input, Pty};
 use crate::recording::Side;
 use crate::screen::{Screen, complain};
 use crate::signals::Signals;
 use crate::status::{Failure, Status};
+use crate::wait::{wait, wait_for_any};
 pub use file::size;
 use file::{FileOptions, Recorder};
 
@@ -34,12 +33,11 @@ pub(crate) struct Arguments {
     port: PathBuf,
     #[command(flatten)]
     file: FileOptions,
-    /// Makes a pseudo-terminal for a host program, prints its path, passes on everything and records both directions
+    /// Makes another device for a host program, prints its path, passes on everything and records both directions
     #[arg(long)]
     tap: bool,
-    /// A symbolic link to make to that pseudo-terminal
-    #[arg(long, value_name = "PATH", requires = "tap")]
-    link: Option<PathBuf>,
+    #[command(flatten)]
+    place: Place,
     /// Waits for a device that is not there yet, and for one that has disappeared
     #[arg(long)]
     reconnect: bool,
@@ -50,16 +48,18 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::catch()?;
     arguments.file.check()?;
+    if arguments.place.is_given() && !arguments.tap {
+        return Err(Failure::Usage("--link and --listen are for --tap only; try --help".into()));
+    }
     let opening = Opening::new(&arguments.port, &arguments.options, arguments.reconnect);
     let Some(device) = opening.open(|| signals.is_raised())? else { return Ok(Status::Finished) };
     // The file last: what is there stays if anything else is missing.
-    let pty =
-        if arguments.tap { Some(Pty::new(arguments.link.as_deref())?.stands_before(&arguments.port)) } else { None };
+    let tap = arguments.tap.then(|| arguments.place.make(Some(&arguments.port))).transpose()?;
     let file = Recorder::create(&arguments.file, device.gap())?;
-    if let Some(pty) = pty.as_ref().filter(|_| !file.is_output()) {
-        Screen::new().line(&pty.path().display().to_string())?;
+    if let Some(tap) = tap.as_ref().filter(|_| !file.is_output()) {
+        Screen::new().line(&tap.path().display().to_string())?;
     }
-    let mut session = Session { device, pty, file, clock: Clock::new(), room: vec![0; 4096] };
+    let mut session = Session { device, tap, file, clock: Clock::new(), room: vec![0; 4096] };
     let result = loop {
         match session.run(&signals) {
             Err(failure @ Failure::Device(_)) if arguments.reconnect && !session.file.has_failed() => {
@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// The line between a host program and a device.
 struct Session {
     device: Device,
-    pty: Option<Pty>,
+    tap: Option<Box<dyn FarEnd>>,
     file: Recorder,
     clock: Clock,
     room: Vec<u8>,
@@ -90,14 +90,13 @@ impl Session {
         let mut ends_at = None;
         loop {
             if signals.came() {
-                let is_used = self.pty.as_ref().map_or(Ok(false), Pty::is_open)?;
-                if !is_used || ends_at.is_some() {
+                if !self.is_tap_used()? || ends_at.is_some() {
                     return Ok(());
                 }
                 ends_at = Some(Instant::now() + LINGER);
             }
             if let Some(ends_at) = ends_at
-                && (Instant::now() >= ends_at || !self.pty.as_ref().map_or(Ok(false), Pty::is_open)?)
+                && (Instant::now() >= ends_at || !self.is_tap_used()?)
             {
                 return Ok(());
             }
@@ -107,18 +106,22 @@ impl Session {
         }
     }
 
+    fn is_tap_used(&self) -> Result<bool, Failure> {
+        self.tap.as_ref().map_or(Ok(false), |tap| tap.is_open())
+    }
+
     /// Passes on what comes, and records it. Returns whether anything came.
     fn pass_on(&mut self) -> Result<bool, Failure> {
-        let Self { device, pty, file, clock, room } = self;
+        let Self { device, tap, file, clock, room } = self;
         let received = clock.receive(SLICE, |time| {
             if !time.is_zero() {
-                wait_for_either(device, pty.as_ref(), time)?;
+                wait_for_either(device, tap.as_deref(), time)?;
             }
             if device.receive(Duration::ZERO)?.is_some() {
                 return Ok(Some((Side::Controller, 0)));
             }
-            let Some(pty) = pty else { return Ok(None) };
-            match pty.read(room, Duration::ZERO)? {
+            let Some(tap) = tap else { return Ok(None) };
+            match tap.read(room, Duration::ZERO)? {
                 Input::Bytes(0) | Input::Nobody => Ok(None),
                 Input::Bytes(count) => Ok(Some((Side::Host, count))),
             }
@@ -127,8 +130,8 @@ impl Session {
             None => return Ok(false),
             // Passed on first: the file may be slow.
             Some((Side::Controller, _)) => {
-                if let Some(pty) = pty {
-                    pty.write(device.bytes())?;
+                if let Some(tap) = tap {
+                    tap.write(device.bytes())?;
                 }
                 file.note(clock.now(), Side::Controller, device.bytes())?;
             }
@@ -143,15 +146,13 @@ impl Session {
     }
 }
 
-fn wait_for_either(device: &mut Device, pty: Option<&Pty>, time: Duration) -> Result<(), Failure> {
-    let mut polled = vec![PollFd::new(&*device, PollFlags::IN)];
-    // One that nobody has open would end the waiting at once.
-    let mut time = time;
-    if let Some(pty) = pty {
-        if pty.is_open()? { polled.push(PollFd::new(pty, PollFlags::IN)) } else { time = time.min(TURN) }
-    }
-    let time = Timespec::try_from(time).unwrap_or_default();
+fn wait_for_either(device: &Device, tap: Option<&dyn FarEnd>, time: Duration) -> Result<(), Failure> {
     // What is wrong shows when it is read.
-    let _ = poll(&mut polled, Some(&time));
+    let _ = match tap {
+        // One that nobody has open would end the waiting at once.
+        Some(tap) if tap.is_open()? => wait_for_any([device.as_fd(), tap.as_fd()], time).map(drop),
+        Some(_) => wait(device.as_fd(), time.min(TURN)).map(drop),
+        None => wait(device.as_fd(), time).map(drop),
+    };
     Ok(())
 }

@@ -3,12 +3,10 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, BufWriter, IsTerminal, StdoutLock, Write};
-use std::time::Duration;
 
-use rustix::event::PollFlags;
 use serde_json::Value;
 
-use crate::wait::wait_for;
+use crate::system::{has_escapes, is_abandoned};
 
 /// Standard output: lines, and on a terminal a live line below them.
 pub(crate) struct Screen {
@@ -21,7 +19,7 @@ pub(crate) struct Screen {
 impl Screen {
     pub(crate) fn new() -> Self {
         let out = io::stdout().lock();
-        Self { is_terminal: out.is_terminal(), out: BufWriter::new(out), is_live: false }
+        Self { is_terminal: out.is_terminal() && has_escapes(), out: BufWriter::new(out), is_live: false }
     }
 
     /// Whether there are live lines.
@@ -31,8 +29,7 @@ impl Screen {
 
     /// Whether nobody will read what is printed.
     pub(crate) fn is_abandoned(&self) -> bool {
-        wait_for(self.out.get_ref(), PollFlags::empty(), Duration::ZERO)
-            .is_ok_and(|happened| happened.intersects(PollFlags::ERR | PollFlags::HUP))
+        is_abandoned(self.out.get_ref())
     }
 
     pub(crate) fn line(&mut self, text: &str) -> io::Result<()> {

@@ -1,4 +1,4 @@
-//! `deltarobot sim`: a machine on a pseudo-terminal, and faults to order. A file for each protocol's machine.
+//! `deltarobot sim`: a machine at the far end of a device, and faults to order. A file for each protocol's machine.
 
 pub mod deltarobot;
 mod faults;
@@ -6,14 +6,13 @@ mod gx;
 mod line;
 pub mod random;
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::clock::Clock;
 use crate::decoder::{Decoder, Piece};
+use crate::far_end::{FarEnd, Input, Place};
 use crate::port::GAP_DIRECT;
 use crate::protocol::{Protocol, Spoken};
-use crate::pty::{Input, Pty};
 use crate::recording::Side;
 use crate::screen::Screen;
 use crate::signals::Signals;
@@ -45,9 +44,8 @@ pub trait Machine {
 pub(crate) struct Arguments {
     #[command(flatten)]
     spoken: Spoken,
-    /// A symbolic link to make to the device
-    #[arg(long, value_name = "PATH")]
-    link: Option<PathBuf>,
+    #[command(flatten)]
+    place: Place,
     /// Probability of each byte, in both directions, to be lost
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = probability)]
     lose: f64,
@@ -118,9 +116,9 @@ const fn milliseconds(now: Duration) -> u32 {
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine()?;
     let signals = Signals::catch()?;
-    let pty = Pty::new(arguments.link.as_deref())?;
+    let far_end = arguments.place.make(None)?;
     let mut screen = Screen::new();
-    screen.line(&pty.path().display().to_string())?;
+    screen.line(&far_end.path().display().to_string())?;
     let watcher = arguments.verbose.then(|| Watcher {
         screen,
         decoder: arguments.spoken.protocol.decoder(),
@@ -129,7 +127,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Sim {
         machine,
         watcher,
-        pty,
+        far_end,
         faults: Faults::new(arguments.lose, arguments.flip, Random::new(arguments.seed)),
         clock: Clock::new(),
     }
@@ -139,7 +137,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 struct Sim {
     machine: Box<dyn Machine>,
     watcher: Option<Watcher>,
-    pty: Pty,
+    far_end: Box<dyn FarEnd>,
     faults: Faults,
     clock: Clock,
 }
@@ -152,15 +150,13 @@ impl Sim {
         let mut disconnect_at = None;
         while !signals.came() {
             let was_open = is_open;
-            let received = self.clock.receive(TICK, |time| match self.pty.read(&mut room, time)? {
+            let received = self.clock.receive(TICK, |time| match self.far_end.read(&mut room, time)? {
                 Input::Bytes(count) => {
                     is_open = true;
                     Ok((count > 0).then_some(count))
                 }
                 Input::Nobody => {
                     is_open = false;
-                    // Waiting for somebody, which poll(2) does not do.
-                    std::thread::sleep(time);
                     Ok(None)
                 }
             })?;
@@ -203,7 +199,7 @@ impl Sim {
         }
         self.show(Side::Controller, &bytes, now)?;
         self.faults.spoil(&mut bytes);
-        self.pty.write(&bytes)
+        self.far_end.write(&bytes)
     }
 
     fn show(&mut self, from: Side, bytes: &[u8], now: Duration) -> Result<(), Failure> {

@@ -8,8 +8,6 @@ mod text;
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
-use std::os::fd::AsFd;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -18,7 +16,9 @@ use clap::Parser;
 use deltarobot_cli::port::positive_seconds;
 use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
-use deltarobot_cli::{Signals, Spoken, bear_size_limits, size};
+use deltarobot_cli::system::{bear_size_limits, input};
+use deltarobot_cli::{Signals, Spoken, size};
+use same_file::Handle;
 
 use crate::rotation::Limits;
 use formats::{Format, Sink};
@@ -83,7 +83,11 @@ pub fn main() -> ExitCode {
 }
 
 fn convert(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.to_end { Signals::catch().map(drop) } else { bear_size_limits() }?;
+    if arguments.to_end {
+        Signals::catch()?;
+    } else {
+        bear_size_limits().map_err(|error| Failure::of_file("signals", &error))?;
+    }
     let from = Arguments::format_of("--from", arguments.from, &arguments.input)?;
     let to = Arguments::format_of("--to", arguments.to, &arguments.output)?;
     if to != Format::Mcap && (arguments.rotate.is_some() || arguments.rotate_after.is_some()) {
@@ -94,7 +98,7 @@ fn convert(arguments: &Arguments) -> Result<Status, Failure> {
     check(arguments, &input)?;
     let mut sink = sink(arguments, to)?;
     let damage = match from {
-        Format::Text => text::read(&input, name, arguments.robot.as_deref(), sink.as_mut()),
+        Format::Text => text::read(input, name, arguments.robot.as_deref(), sink.as_mut()),
         Format::Csv => csv::read(&input, name, arguments.robot.as_deref(), sink.as_mut()),
         Format::Mcap => mcap::read(&input, name, arguments.robot.as_deref(), sink.as_mut()),
     };
@@ -113,7 +117,7 @@ fn is_stream(path: &Path) -> bool {
 }
 
 fn open(path: &Path) -> io::Result<File> {
-    if is_stream(path) { Ok(io::stdin().as_fd().try_clone_to_owned()?.into()) } else { File::open(path) }
+    if is_stream(path) { input() } else { File::open(path) }
 }
 
 /// Whether the output may be written.
@@ -123,8 +127,8 @@ fn check(arguments: &Arguments, input: &File) -> Result<(), Failure> {
     if is_stream(output) || !there.is_file() {
         return Ok(());
     }
-    let is_input = input.metadata().is_ok_and(|it| (it.dev(), it.ino()) == (there.dev(), there.ino()));
-    if is_input {
+    let is_input = || Ok::<_, io::Error>(Handle::from_file(input.try_clone()?)? == Handle::from_path(output)?);
+    if is_input().unwrap_or(false) {
         return Err(Failure::of(output.display(), "is what is read; write another file"));
     }
     if arguments.force { Ok(()) } else { Err(Failure::of(output.display(), "File exists; --force overwrites it")) }

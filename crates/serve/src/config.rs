@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::net::SocketAddr;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,6 +11,7 @@ use clap::ValueEnum;
 use deltarobot_cli::path::Machine;
 use deltarobot_cli::port::{AtClose, Level, PortOptions};
 use deltarobot_cli::status::Failure;
+use deltarobot_cli::system::everybody_reads;
 use deltarobot_protocols::deltarobot::Layout;
 use serde::{Deserialize, Deserializer};
 
@@ -266,7 +266,7 @@ fn read_token(path: &Path) -> Result<String, Failure> {
         let text = "a token has 16 to 256 letters, digits or characters of -._~ (`openssl rand -hex 32` makes one)";
         return Err(Failure::of(path.display(), text));
     }
-    if fs::metadata(path).map_err(failure)?.mode() & 0o004 != 0 {
+    if everybody_reads(&fs::metadata(path).map_err(failure)?) {
         complain(&format!("{}: everybody on this machine can read this token", path.display()));
     }
     Ok(token)

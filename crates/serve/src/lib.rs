@@ -43,9 +43,8 @@ use std::time::Duration;
 use clap::Parser;
 use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
-use rustix::process::{Resource, getrlimit, setrlimit};
+use deltarobot_cli::system::{bear_size_limits, more_files};
 use tokio::runtime::Runtime;
-use tokio::signal::unix::{SignalKind, signal};
 
 use api::App;
 use config::{Config, File, Name};
@@ -127,8 +126,9 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
 
 /// Goes on until a signal. `listening` gets the address of the page.
 fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) -> Result<Status, Failure> {
-    raise_limit();
-    deltarobot_cli::bear_size_limits()?;
+    // A thousand connections.
+    more_files();
+    bear_size_limits().map_err(|error| Failure::of_file("signals", &error))?;
     let listener = listen(config.listen)?;
     let raw: Vec<_> =
         config.raw.iter().map(|(name, address)| Ok((name, listen(*address)?))).collect::<Result<_, Failure>>()?;
@@ -146,8 +146,7 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
     let (guard, traces) = (Arc::new(config.guard), Arc::default());
     let app = App { fleet: Arc::clone(&fleet), guard, traces, outside: Arc::clone(&outside) };
     let result = runtime.block_on(async {
-        let mut terminated = signal(SignalKind::terminate()).map_err(failed)?;
-        let mut interrupted = signal(SignalKind::interrupt()).map_err(failed)?;
+        let asked_to_end = asked_to_end().map_err(failed)?;
         for (name, listener) in raw {
             let Ok(robot) = fleet.robot(name) else { continue };
             say(&format!("{name}: raw bytes on {}", listener.local_addr().map_err(failed)?))?;
@@ -157,10 +156,7 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
         say(&url)?;
         listening(&url);
         tokio::spawn(http::serve(tokio::net::TcpListener::from_std(listener).map_err(failed)?, api::router(app)));
-        tokio::select! {
-            _ = terminated.recv() => (),
-            _ = interrupted.recv() => (),
-        }
+        asked_to_end.await;
         Ok(Status::Finished)
     });
     // Whoever watches sees how that goes.
@@ -170,6 +166,33 @@ fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) ->
     let _ = runtime.block_on(async { tokio::time::timeout(WATCHERS_TIME, fleet.is_over.closed()).await });
     runtime.shutdown_timeout(Duration::from_millis(100));
     result
+}
+
+/// What is over when a signal has come, from the call on.
+#[cfg(unix)]
+fn asked_to_end() -> io::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let (mut terminated, mut interrupted) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    Ok(async move {
+        tokio::select! {
+            _ = terminated.recv() => (),
+            _ = interrupted.recv() => (),
+        }
+    })
+}
+
+/// The same for Ctrl-C, Ctrl-Break and the window that is closed.
+#[cfg(windows)]
+fn asked_to_end() -> io::Result<impl Future<Output = ()>> {
+    use tokio::signal::windows::{ctrl_break, ctrl_c, ctrl_close};
+    let (mut interrupted, mut broken, mut closed) = (ctrl_c()?, ctrl_break()?, ctrl_close()?);
+    Ok(async move {
+        tokio::select! {
+            _ = interrupted.recv() => (),
+            _ = broken.recv() => (),
+            _ = closed.recv() => (),
+        }
+    })
 }
 
 /// A line of standard output, which nobody has to read.
@@ -186,13 +209,6 @@ fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
     let listener = TcpListener::bind(address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
     Ok(listener)
-}
-
-/// A thousand connections need more files than programs get unless they ask.
-fn raise_limit() {
-    let limit = getrlimit(Resource::Nofile);
-    // If that fails there are fewer.
-    let _ = setrlimit(Resource::Nofile, rustix::process::Rlimit { current: limit.maximum, ..limit });
 }
 
 /// A panic of another thread has left nothing half done: each lock is held for one assignment.

@@ -7,8 +7,7 @@ mod view;
 mod worker;
 
 use std::collections::VecDeque;
-use std::io::{self, Write};
-use std::os::unix::net::UnixStream;
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -17,6 +16,7 @@ use std::time::{Duration, Instant};
 use deltarobot_cli::path::Machine;
 use deltarobot_cli::port::PortOptions;
 use deltarobot_cli::recording::Entry;
+use deltarobot_cli::system::Wake;
 use deltarobot_protocols::deltarobot::Layout;
 use tokio::sync::{broadcast, oneshot, watch};
 
@@ -78,7 +78,7 @@ pub(crate) struct Robot {
     began: Instant,
     all: All,
     inbox: Mutex<Inbox>,
-    waker: UnixStream,
+    waker: Wake,
     cancels: AtomicU64,
     is_ending: AtomicBool,
 }
@@ -112,7 +112,7 @@ pub(crate) struct Begun {
 }
 
 impl Robot {
-    fn new(settings: Settings, all: All, waker: UnixStream) -> Self {
+    fn new(settings: Settings, all: All, waker: Wake) -> Self {
         let state = State::new(Arc::clone(&settings.name), settings.path.to_string_lossy().into());
         Self {
             leases: Leases::default(),
@@ -254,12 +254,4 @@ impl Drop for Held<'_> {
 
 fn gone() -> Problem {
     Problem::new(Kind::Down, "the port was lost in the meantime, or the program ends")
-}
-
-/// Both ends of what wakes a thread up.
-fn waker() -> io::Result<(UnixStream, UnixStream)> {
-    let (waker, woken) = UnixStream::pair()?;
-    waker.set_nonblocking(true)?;
-    woken.set_nonblocking(true)?;
-    Ok((waker, woken))
 }

@@ -1,10 +1,10 @@
-//! Robots that are simulated in this program, on pseudo-terminals as others have.
+//! Robots that are simulated in this program, at devices as others have.
 
 use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;
 
-use deltarobot_cli::pty::{Input, Pty};
+use deltarobot_cli::far_end::{FarEnd, Input, Place};
 use deltarobot_cli::sim::deltarobot::{Controller, ControllerOptions};
 use deltarobot_cli::sim::random::Random;
 use deltarobot_cli::sim::{Machine, TICK};
@@ -18,9 +18,9 @@ pub(crate) fn start(count: usize) -> Result<Vec<PathBuf>, Failure> {
     let mut machines = Vec::new();
     for _ in 0..count {
         let controller = Controller::new(&ControllerOptions::default(), Random::new(None));
-        machines.push((Pty::new(None)?, controller));
+        machines.push((Place::default().make(None)?, controller));
     }
-    let paths = machines.iter().map(|(pty, _)| pty.path().to_owned()).collect();
+    let paths = machines.iter().map(|(far_end, _)| far_end.path().to_owned()).collect();
     thread::Builder::new()
         .name("simulated".into())
         .spawn(move || run(machines))
@@ -29,19 +29,19 @@ pub(crate) fn start(count: usize) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// All in one thread: each takes a microsecond or two.
-fn run(mut machines: Vec<(Pty, Controller)>) {
+fn run(mut machines: Vec<(Box<dyn FarEnd>, Controller)>) {
     let (clock, mut room) = (std::time::Instant::now(), [0; PIECE]);
     loop {
         thread::sleep(TICK);
-        for (pty, machine) in &mut machines {
+        for (far_end, machine) in &mut machines {
             let (now, mut out) = (clock.elapsed(), Vec::new());
             // What can't be read or written is lost, as on any line.
-            if let Ok(Input::Bytes(count @ 1..)) = pty.read(&mut room, Duration::ZERO) {
+            if let Ok(Input::Bytes(count @ 1..)) = far_end.read(&mut room, Duration::ZERO) {
                 machine.receive(room.get(..count).unwrap_or_default(), now, &mut out);
             }
             machine.turn(now, &mut out);
             if !out.is_empty() {
-                let _ = pty.write(&out);
+                let _ = far_end.write(&out);
             }
         }
     }

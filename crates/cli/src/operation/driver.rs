@@ -14,7 +14,7 @@ use crate::port::{Device, Opening, PortOptions, positive_seconds, seconds};
 use crate::screen::complain;
 use crate::signals::Signals;
 use crate::status::Failure;
-use crate::tap::tapped_device;
+use crate::system::tapped_device;
 
 /// How long a controller may take to be ready, unless the user says how long.
 const READY_TIME: Duration = Duration::from_secs(30);

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rustix::event::PollFlags;
+use rustix::fd::AsFd;
 use rustix::io::Errno;
 
 use super::telnet::Telnet;
@@ -73,7 +74,7 @@ impl Network {
                 None if telnet.is_refused() || began.elapsed() >= CONNECT_TIME => return Err(Cause::NoRfc2217),
                 None => (),
             }
-            if !wait(&self.stream, Duration::from_millis(50))?.is_empty() {
+            if !wait(self.stream.as_fd(), Duration::from_millis(50))?.is_empty() {
                 // What it sends before is thrown away, as what any port had received is.
                 self.read(&mut room)?;
             }
@@ -106,8 +107,8 @@ impl Network {
                 Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
                 Err(Errno::INTR) => (),
                 Err(Errno::AGAIN) => {
-                    let happened = crate::wait::wait_for(&self.stream, PollFlags::OUT, super::WRITE_TIME)?;
-                    if !happened.contains(PollFlags::OUT) {
+                    let happened = crate::wait::wait_for(self.stream.as_fd(), PollFlags::OUT, super::WRITE_TIME)?;
+                    if !happened.intersects(PollFlags::OUT) {
                         return Err(Cause::TimedOut);
                     }
                 }

@@ -2,13 +2,13 @@
 
 use std::fs::File;
 use std::io::{self, Read, Seek};
-use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use crate::external::find;
 use crate::screen::complain;
 use crate::status::Failure;
+use crate::system::Handle;
 
 /// What such a file begins with.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -45,7 +45,7 @@ impl Converter {
         command.args(["--from", "mcap", "--to", "text", "--"]).arg(path).arg("-");
         let spawned = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = spawned.map_err(|error| Failure::of_file("deltarobot-convert", &error))?;
-        let text = child.stdout.take().map(|pipe| File::from(OwnedFd::from(pipe)));
+        let text = child.stdout.take().map(|pipe| File::from(Handle::from(pipe)));
         let text = text.ok_or_else(|| Failure::of("deltarobot-convert", "has no output"))?;
         Ok((Self { child, is_silent: false }, text))
     }

@@ -1,13 +1,14 @@
 //! The format of `deltarobot record`.
 
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Read, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use deltarobot_cli::CHUNK;
 use deltarobot_cli::recording::{Entry, HEADER, Parser, Start};
 use deltarobot_cli::status::Failure;
+use deltarobot_cli::system::Stream;
 use deltarobot_cli::wait::wait;
 
 use super::formats::{Content, NAMELESS, Record, Sink, failure};
@@ -18,7 +19,7 @@ const DRIFT: Duration = Duration::from_millis(1);
 
 /// Reads a recording to its end. Returns what could not be read of it.
 pub(super) fn read(
-    mut input: &File,
+    input: File,
     name: &Path,
     robot: Option<&str>,
     sink: &mut dyn Sink,
@@ -33,9 +34,10 @@ pub(super) fn read(
         content: Content::Bytes(entry.from, entry.bytes.clone()),
     };
     let wrong = |error: String| Failure::of(name.display(), error);
+    let input = Stream::new(input).map_err(|error| failure(name, &error))?;
     loop {
         // It may be a pipe from what is recording now.
-        if wait(input, FLUSH_TIME).map_err(|error| failure(name, &error.into()))?.is_empty() {
+        if wait(input.as_fd(), FLUSH_TIME).map_err(|error| failure(name, &error.into()))?.is_empty() {
             sink.idle()?;
             continue;
         }

@@ -1,6 +1,5 @@
 //! What goes on at a port while it is open: the protocol's session, and whoever takes part in it.
 
-use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
 use deltarobot_cli::clock::{Clock, SLICE};
@@ -8,10 +7,11 @@ use deltarobot_cli::port::Device;
 use deltarobot_cli::recording::Side;
 use deltarobot_cli::session_settings;
 use deltarobot_cli::status::Failure;
+use deltarobot_cli::system::Wake;
+use deltarobot_cli::wait::wait_for_any;
 use deltarobot_protocols::deltarobot::host::{self, Event, Health, Outcome, REQUEST_MAX};
 use deltarobot_protocols::deltarobot::{Opcode, Position, receiver_room};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
+use rustix::fd::AsFd;
 use tokio::sync::oneshot;
 
 use super::order::{Command, Order, Raw};
@@ -32,7 +32,7 @@ type Host = host::Host<{ receiver_room(32) }>;
 
 pub(super) struct Session<'a> {
     view: &'a mut View,
-    woken: &'a UnixStream,
+    woken: &'a Wake,
     device: Device,
     host: Host,
     clock: Clock,
@@ -49,7 +49,7 @@ pub(super) struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    pub(super) fn new(device: Device, view: &'a mut View, woken: &'a UnixStream) -> Self {
+    pub(super) fn new(device: Device, view: &'a mut View, woken: &'a Wake) -> Self {
         let mut host = Host::new(settings(&view.robot.settings, &device));
         // The first thing to know; there is nothing else going on yet.
         let _ = host.status();
@@ -277,15 +277,9 @@ fn overtaken() -> Problem {
 }
 
 /// Whether the device has bytes or is gone, and whether the thread was woken up.
-fn wait_for_both(device: &Device, woken: &UnixStream, time: Duration) -> Result<(bool, bool), Failure> {
-    let failure = |error: Errno| Failure::of_file("poll", &error.into());
-    let time = Timespec::try_from(time).map_err(|_| failure(Errno::INVAL))?;
-    let mut polled = [PollFd::new(device, PollFlags::IN), PollFd::new(woken, PollFlags::IN)];
-    match poll(&mut polled, Some(&time)) {
-        Ok(_) | Err(Errno::INTR) => (),
-        Err(error) => return Err(failure(error)),
-    }
-    let [device, woken] = polled.map(|polled| !polled.revents().is_empty());
+fn wait_for_both(device: &Device, woken: &Wake, time: Duration) -> Result<(bool, bool), Failure> {
+    let happened = wait_for_any([device.as_fd(), woken.as_fd()], time);
+    let [device, woken] = happened.map_err(|error| Failure::of_file("poll", &error.into()))?.map(|it| !it.is_empty());
     Ok((device, woken))
 }
 

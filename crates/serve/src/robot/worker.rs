@@ -1,18 +1,19 @@
 //! The thread of a robot: opens its port, again and again if need be.
 
 use std::io::{self, Read};
-use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use deltarobot_cli::port::Device;
+use deltarobot_cli::system::{Wake, wakes};
 use deltarobot_cli::wait::wait;
+use rustix::fd::AsFd;
 
 use super::session::Session;
 use super::view::View;
-use super::{All, Robot, Settings, waker};
+use super::{All, Robot, Settings};
 use crate::locked;
 use crate::problem::{Kind, Problem};
 
@@ -21,7 +22,7 @@ const RETRY: [Duration; 2] = [Duration::from_millis(200), Duration::from_secs(2)
 
 /// Begins with a robot. When its thread has ended, `ended` is disconnected.
 pub(crate) fn start(settings: Settings, all: All, ended: mpsc::Sender<()>) -> io::Result<Arc<Robot>> {
-    let (waker, woken) = waker()?;
+    let (waker, woken) = wakes()?;
     let robot = Arc::new(Robot::new(settings, all, waker));
     let worker = Worker { view: View::new(Arc::clone(&robot)), robot: Arc::clone(&robot), woken };
     thread::Builder::new().name(robot.name().to_string()).stack_size(256 << 10).spawn(move || {
@@ -34,7 +35,7 @@ pub(crate) fn start(settings: Settings, all: All, ended: mpsc::Sender<()>) -> io
 struct Worker {
     robot: Arc<Robot>,
     view: View,
-    woken: UnixStream,
+    woken: Wake,
 }
 
 impl Worker {
@@ -73,7 +74,7 @@ impl Worker {
         let (began, mut cancels) = (Instant::now(), false);
         while !self.robot.is_ending() && began.elapsed() < time {
             // An error of poll(2) is no reason not to try the port again.
-            let _ = wait(&self.woken, time.saturating_sub(began.elapsed()));
+            let _ = wait(self.woken.as_fd(), time.saturating_sub(began.elapsed()));
             drain(&self.woken);
             cancels |= self.refuse();
             self.view.look_around();
@@ -105,7 +106,7 @@ impl Worker {
 }
 
 /// Takes what woke the thread up.
-pub(super) fn drain(mut woken: &UnixStream) {
+pub(super) fn drain(mut woken: &Wake) {
     let mut room = [0; 64];
     while matches!(woken.read(&mut room), Ok(1..)) {}
 }

@@ -1,13 +1,13 @@
 //! A recording in MCAP: `deltarobot-convert` makes it of the text that is written to it.
 
 use std::fs::File;
-use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::process::{Child, Stdio};
 
 use super::FileOptions;
 use crate::source::mcap::converter;
 use crate::status::Failure;
+use crate::system::Handle;
 
 /// One that runs.
 pub(super) struct Converter(Child);
@@ -27,7 +27,7 @@ impl Converter {
         command.args(["--to-end", "--", "-"]).arg(&options.file).stdin(Stdio::piped());
         let spawned = command.spawn();
         let mut child = spawned.map_err(|error| Failure::of_file("deltarobot-convert", &error))?;
-        let pipe = child.stdin.take().map(|pipe| File::from(OwnedFd::from(pipe)));
+        let pipe = child.stdin.take().map(|pipe| File::from(Handle::from(pipe)));
         pipe.map(|pipe| (Self(child), pipe)).ok_or_else(|| Failure::of("deltarobot-convert", "has no input"))
     }
 

@@ -1,45 +1,75 @@
 //! A serial port or a pseudo-terminal.
 
 use std::fs;
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 use rustix::fs::{FlockOperation, Mode, OFlags, flock, open};
-use rustix::io::Errno;
+use rustix::io::{Errno, retry_on_intr};
 use rustix::termios::{
     ControlModes, InputModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios, ioctl_tiocexcl,
-    ioctl_tiocnxcl, tcflush, tcgetattr, tcgetsid, tcsetattr,
+    ioctl_tiocnxcl, tcdrain, tcflush, tcgetattr, tcgetsid, tcsetattr,
 };
 use serial2::SerialPort;
 
-use super::{AtClose, Cause, PortOptions};
+use crate::port::{AtClose, Cause, PortOptions};
 
-/// Opens a device and sets it to 8 data bits, no parity, one stop bit, no flow control. Nothing is changed about one
-/// that is in use. What it received before is thrown away.
-pub(super) fn open_serial(path: &Path, options: &PortOptions) -> Result<SerialPort, Cause> {
-    let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-    let fd = open(path, flags, Mode::empty()).map_err(|error| match error {
-        Errno::BUSY => Cause::InUse,
-        // A directory or a program is no serial port, whatever may be wrong with it besides.
-        Errno::ISDIR | Errno::TXTBSY => Cause::NoSerialPort,
-        Errno::ACCESS => Cause::NotAllowed(group_of(path)),
-        _ => Cause::System(error.into()),
-    })?;
-    let before = tcgetattr(&fd).map_err(|error| match error {
-        Errno::NOTTY | Errno::INVAL | Errno::NODEV | Errno::OPNOTSUPP => Cause::NoSerialPort,
-        _ => error.into(),
-    })?;
-    // Ctrl-C would be a byte like any other.
-    if tcgetsid(&fd).is_ok() {
-        return Err(Cause::OwnTerminal);
+/// One that is open, for this program alone.
+pub(crate) struct Line(SerialPort);
+
+impl Line {
+    /// Opens a device and sets it to 8 data bits, no parity, one stop bit, no flow control. Nothing is changed about one
+    /// that is in use. What it received before is thrown away.
+    pub(crate) fn open(path: &Path, options: &PortOptions) -> Result<Self, Cause> {
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let fd = open(path, flags, Mode::empty()).map_err(|error| match error {
+            Errno::BUSY => Cause::InUse,
+            // A directory or a program is no serial port, whatever may be wrong with it besides.
+            Errno::ISDIR | Errno::TXTBSY => Cause::NoSerialPort,
+            Errno::ACCESS => not_allowed(path),
+            _ => Cause::System(error.into()),
+        })?;
+        let before = tcgetattr(&fd).map_err(|error| match error {
+            Errno::NOTTY | Errno::INVAL | Errno::NODEV | Errno::OPNOTSUPP => Cause::NoSerialPort,
+            _ => error.into(),
+        })?;
+        // Ctrl-C would be a byte like any other.
+        if tcgetsid(&fd).is_ok() {
+            return Err(Cause::NotUsable("the terminal that this program runs in".into()));
+        }
+        flock(&fd, FlockOperation::NonBlockingLockExclusive).map_err(|error| match error {
+            Errno::WOULDBLOCK => Cause::InUse,
+            _ => error.into(),
+        })?;
+        let line = Self(fd.into());
+        set(&line.0, before, options)?;
+        Ok(line)
     }
-    flock(&fd, FlockOperation::NonBlockingLockExclusive).map_err(|error| match error {
-        Errno::WOULDBLOCK => Cause::InUse,
-        _ => error.into(),
-    })?;
-    let port = SerialPort::from(fd);
-    set(&port, before, options).inspect_err(|_| release(&port))?;
-    Ok(port)
+
+    /// What can be polled and read.
+    pub(crate) fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+
+    /// Writes what there is room for.
+    pub(crate) fn write(&self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(rustix::io::write(&self.0, bytes)?)
+    }
+
+    /// Waits until all was sent.
+    pub(crate) fn drain(&self) -> io::Result<()> {
+        Ok(retry_on_intr(|| tcdrain(&self.0))?)
+    }
+}
+
+/// Lets others in.
+impl Drop for Line {
+    fn drop(&mut self) {
+        let _ = ioctl_tiocnxcl(&self.0);
+        let _ = flock(&self.0, FlockOperation::Unlock);
+    }
 }
 
 fn set(port: &SerialPort, mut settings: Termios, options: &PortOptions) -> Result<(), Cause> {
@@ -86,10 +116,12 @@ fn has_modem_lines(port: &SerialPort) -> bool {
     port.read_cts().is_ok()
 }
 
-/// Lets others in.
-pub(super) fn release(port: &SerialPort) {
-    let _ = ioctl_tiocnxcl(port);
-    let _ = flock(port, FlockOperation::Unlock);
+/// Says who may use a device.
+fn not_allowed(path: &Path) -> Cause {
+    let group = group_of(path).map(|group| {
+        format!("; members of the group {group} may use it (`sudo usermod -aG {group} $USER`, then log in again)")
+    });
+    Cause::NotUsable(format!("Permission denied{}", group.unwrap_or_default()))
 }
 
 /// The name of the group that may use a device.
@@ -105,7 +137,7 @@ fn group_of(path: &Path) -> Option<String> {
 
 /// Whether silence within a frame on this port comes from its sender alone: a UART of this machine, not a converter
 /// that collects bytes, nor another program.
-pub(super) fn is_direct(path: &Path) -> bool {
+pub(crate) fn is_direct(path: &Path) -> bool {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     ["ttyS", "ttyAMA", "ttymxc", "ttyO", "ttyTHS", "ttySAC", "ttyPS"].iter().any(|kind| name.starts_with(kind))

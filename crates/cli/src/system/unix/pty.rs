@@ -4,53 +4,47 @@ use std::fs;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Duration;
 
 use rustix::event::PollFlags;
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
-use rustix::io::Errno;
+use rustix::io::{Errno, FdFlags, fcntl_setfd};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
+use super::tap::Note;
+use crate::far_end::{FarEnd, Input};
 use crate::status::Failure;
-use crate::tap::Note;
 use crate::wait::wait;
 
-/// The far end of a device which other programs open by its path.
-pub struct Pty {
+/// Makes one, and a symbolic link to it where asked for, which is removed with it. It says which device it is the tap
+/// of, if it is one. `None` on systems that have none.
+pub(crate) fn pseudo_terminal(link: Option<&Path>, tapped: Option<&Path>) -> Result<Option<Box<dyn FarEnd>>, Failure> {
+    Pty::new(link, tapped).map(|pty| Some(Box::new(pty) as _))
+}
+
+struct Pty {
     fd: OwnedFd,
     path: PathBuf,
     link: Option<PathBuf>,
-    /// Kept for its drop alone.
-    note: Option<Note>,
-}
-
-/// What came from the other program.
-pub enum Input {
-    /// So many bytes, 0 when none came in time or a signal did.
-    Bytes(usize),
-    /// No program has the device open.
-    Nobody,
+    _note: Option<Note>,
 }
 
 impl Pty {
-    /// Makes one, and a symbolic link to it where asked for, which is removed with it.
-    pub fn new(link: Option<&Path>) -> Result<Self, Failure> {
+    fn new(link: Option<&Path>, tapped: Option<&Path>) -> Result<Self, Failure> {
         let (fd, path) = Self::open().map_err(|error| Failure::of_file("no pseudo-terminal", &error.into()))?;
         if let Some(link) = link {
             make_link(&path, link)?;
         }
-        Ok(Self { fd, path, link: link.map(Path::to_owned), note: None })
-    }
-
-    /// Says which device it is the tap of.
-    pub(crate) fn stands_before(mut self, device: &Path) -> Self {
-        self.note = Note::leave(&self.path, device);
-        self
+        let note = tapped.and_then(|device| Note::leave(&path, device));
+        Ok(Self { fd, path, link: link.map(Path::to_owned), _note: note })
     }
 
     fn open() -> Result<(OwnedFd, PathBuf), Errno> {
-        let fd = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        let fd = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        // (Not all systems do that when it is opened.)
+        fcntl_setfd(&fd, FdFlags::CLOEXEC)?;
         grantpt(&fd)?;
         unlockpt(&fd)?;
         fcntl_setfl(&fd, OFlags::RDWR | OFlags::NONBLOCK)?;
@@ -64,13 +58,22 @@ impl Pty {
         Ok((fd, path))
     }
 
-    /// The device's path, by the link if there is one.
-    pub fn path(&self) -> &Path {
+    fn wait(&self, time: Duration) -> Result<PollFlags, Failure> {
+        wait(self.fd.as_fd(), time).map_err(|error| self.failure(error))
+    }
+
+    fn failure(&self, error: Errno) -> Failure {
+        Failure::of_file(self.path.display(), &error.into())
+    }
+}
+
+impl FarEnd for Pty {
+    /// By the link if there is one.
+    fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// Reads what has come, waiting for at most so long.
-    pub fn read(&self, out: &mut [u8], time: Duration) -> Result<Input, Failure> {
+    fn read(&mut self, out: &mut [u8], time: Duration) -> Result<Input, Failure> {
         if self.wait(time)?.contains(PollFlags::IN) {
             return match rustix::io::read(&self.fd, out) {
                 Ok(0) | Err(Errno::IO) => Ok(Input::Nobody),
@@ -79,20 +82,19 @@ impl Pty {
                 Err(error) => Err(self.failure(error)),
             };
         }
-        Ok(if self.is_open()? { Input::Bytes(0) } else { Input::Nobody })
+        if self.is_open()? {
+            return Ok(Input::Bytes(0));
+        }
+        // Waiting for somebody, which poll(2) does not do.
+        thread::sleep(time);
+        Ok(Input::Nobody)
     }
 
-    /// Whether a program has the device open.
-    pub fn is_open(&self) -> Result<bool, Failure> {
+    fn is_open(&self) -> Result<bool, Failure> {
         Ok(!self.wait(Duration::ZERO)?.contains(PollFlags::HUP))
     }
 
-    fn wait(&self, time: Duration) -> Result<PollFlags, Failure> {
-        wait(&self.fd, time).map_err(|error| self.failure(error))
-    }
-
-    /// Writes what there is room for. A line does not wait for who reads too slowly, or not at all.
-    pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         if !self.is_open()? {
             return Ok(());
         }
@@ -102,12 +104,6 @@ impl Pty {
         }
     }
 
-    fn failure(&self, error: Errno) -> Failure {
-        Failure::of_file(self.path.display(), &error.into())
-    }
-}
-
-impl AsFd for Pty {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.fd.as_fd()
     }

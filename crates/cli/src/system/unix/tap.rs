@@ -10,7 +10,7 @@ use rustix::fs::{FlockOperation, OFlags, flock};
 use rustix::process::geteuid;
 
 /// A note that is there as long as its tap.
-pub(crate) struct Note {
+pub(super) struct Note {
     path: PathBuf,
     /// Locked as long as the tap lives, so that what a killed one has left is not believed.
     _file: File,
@@ -18,7 +18,7 @@ pub(crate) struct Note {
 
 impl Note {
     /// Leaves one for a pseudo-terminal. `None` when there is no place for it.
-    pub(crate) fn leave(pty: &Path, device: &Path) -> Option<Self> {
+    pub(super) fn leave(pty: &Path, device: &Path) -> Option<Self> {
         let path = place(pty)?;
         let device = fs::canonicalize(device).unwrap_or_else(|_| device.to_owned());
         let _ = fs::remove_file(&path);
