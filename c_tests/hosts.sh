@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Hosts other than this one: builds the library for each that is named, and runs the C tests linked statically to it in
-# an emulator; or, for those without one, compiles it. By default all.
+# an emulator; or, for those without one, compiles it. The same for the program `deltarobot`, but not for aarch64 and
+# s390x. By default all.
 #
 #   c_tests/hosts.sh [i686|aarch64|s390x|windows|TARGET]...
 #
@@ -39,6 +40,13 @@ build() {
     (use_compiler "$2" && make lib OUT="target/hosts/$1" CARGO_DIR=target/hosts/.cargo DP_TARGET="$2" CROSS_COMPILE="$3")
 }
 
+# program TARGET build|check: the program; where the core library has to be compiled, all of std has to.
+program() {
+    use_compiler "$1"
+    [ -z "${CARGO_UNSTABLE_BUILD_STD:-}" ] || export CARGO_UNSTABLE_BUILD_STD=std,panic_abort
+    cargo "$2" --quiet -p deltarobot-cli --bin deltarobot --target "$1" --target-dir target/hosts/.cargo
+}
+
 # run HOST PREFIX RUNNER: what needs the programs of this machine besides is left out.
 run() {
     DP_CROSS_LIBRARY="$PWD/target/hosts/$1" DP_CROSS_PREFIX="$2" DP_CROSS_RUNNER="$3" \
@@ -47,7 +55,7 @@ run() {
 }
 
 wine_run() {
-    local out=$PWD/target/hosts wine
+    local out=$PWD/target/hosts
     wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
     server=$(command -v wineserver || echo /usr/lib/wine/wineserver)
     export WINEPREFIX="$out/wine" WINEDEBUG=-all
@@ -73,6 +81,35 @@ wine_run() {
     "$wine" "$out/windows/dll_user.exe"
 }
 
+# The program in wine, which finds the simulator at a port of TCP, and the one of this machine at COM5.
+wine_program() {
+    local out=$PWD/target/hosts program=$PWD/target/hosts/.cargo/x86_64-pc-windows-gnu/debug/deltarobot.exe watching
+    # Wine does not have what std takes random numbers from.
+    x86_64-w64-mingw32-gcc -shared -Wall -Wextra -Werror -o "${program%/*}/bcryptprimitives.dll" \
+        c_tests/cli/bcryptprimitives.c -ladvapi32
+    c_tests/cli/session.sh "$wine" "$program"
+    cargo build --quiet -p deltarobot-cli --bin deltarobot
+    target/debug/deltarobot sim --speed 200 --link "$out/com5" &
+    sim=$!
+    trap 'kill "$sim" || true; "$server" -k || true' EXIT
+    until [ -e "$out/com5" ]; do kill -0 "$sim" && sleep 0.1; done
+    "$server" -k || true
+    "$wine" reg query 'HKLM\Software\Wine\Ports' >/dev/null 2>&1
+    "$wine" "$program" ports | grep -q '^COM5' || fail "COM5 is not listed"
+    "$wine" "$program" home COM5
+    "$wine" "$program" move 10 7.5 12.5 '\\.\COM5'
+    "$wine" "$program" status COM5 | tr -d '\r' | grep -x 'IDLE  DA=10  DB=7.5  DC=12.5'
+    "$wine" "$program" monitor COM5 >"$out/monitor" 2>&1 &
+    watching=$!
+    until grep -q STATUS_REPLY "$out/monitor"; do
+        kill -0 "$watching"
+        "$wine" "$program" status COM5 >/dev/null || true
+    done
+    kill "$sim"
+    wait "$watching" && fail "a port that has gone is watched"
+    grep 'COM5: disconnected' "$out/monitor"
+}
+
 [ $# -gt 0 ] || set -- i686 aarch64 s390x windows x86_64-apple-darwin aarch64-apple-darwin x86_64-unknown-freebsd \
     x86_64-unknown-netbsd x86_64-unknown-linux-musl
 for host; do
@@ -86,13 +123,20 @@ for host; do
                 i686-linux-gnu-gcc -static -pthread -std=c99 -Ic_tests/common -Itarget/hosts/i686/include \
                     -o target/hosts/i686/serial c_tests/serial/serial.c target/hosts/i686/libdeltarobot.a
                 target/hosts/i686/serial
+                # Static, so that it needs no libraries of 32 bits.
+                (export RUSTFLAGS='-C target-feature=+crt-static' \
+                    CARGO_TARGET_I686_UNKNOWN_LINUX_GNU_LINKER=i686-linux-gnu-gcc
+                program i686-unknown-linux-gnu build)
+                c_tests/cli/session.sh "$PWD/target/hosts/.cargo/i686-unknown-linux-gnu/debug/deltarobot"
             fi ;;
         windows)
             build windows x86_64-pc-windows-gnu x86_64-w64-mingw32-
-            (wine_run) ;;
+            (program x86_64-pc-windows-gnu build)
+            (wine_run; wine_program) ;;
         *-*)
             (use_compiler "$host" && cargo check --quiet --release --lib --no-default-features \
-                --features panic-handler,serial --target "$host" --target-dir target/hosts/.cargo) ;;
+                --features panic-handler,serial --target "$host" --target-dir target/hosts/.cargo)
+            (program "$host" check) ;;
         *) fail "$host: not one of those at the head of this file" ;;
     esac
 done

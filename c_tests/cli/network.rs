@@ -50,6 +50,20 @@ fn a_monitor_of_a_network_port_ends_with_it() {
     server.join().unwrap();
 }
 
+/// As other hosts run it, too.
+#[test]
+fn a_session_with_a_simulator_at_a_port() {
+    let output = run(Command::new(root().join("c_tests/cli/session.sh")).arg(program()));
+    assert!(output.status.success(), "{}", text(&output));
+    complains(&["sim", "--listen", "127.0.0.1:0", "--link", "x"], USAGE, "cannot be used with");
+    complains(&["sim", "--listen", "nowhere"], DEVICE, "nowhere: ");
+    complains(
+        &["record", "/dev/null", "-", "--listen", "127.0.0.1:0"],
+        USAGE,
+        "--link and --listen are for --tap only",
+    );
+}
+
 /// Whether bytes stand somewhere.
 fn has(heard: &[u8], wanted: &[u8]) -> bool {
     heard.windows(wanted.len()).any(|window| window == wanted)

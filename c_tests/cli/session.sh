@@ -9,7 +9,12 @@ set -m
 deltarobot=("$@")
 work=$(mktemp -d)
 children=()
-trap 'kill -9 "${children[@]}" 2>/dev/null || true; rm -rf "$work"' EXIT
+end() {
+    kill -9 "${children[@]}" || true
+    wait
+    rm -rf "$work"
+}
+trap 'end 2>/dev/null' EXIT
 cd "$work"
 
 fail() {
@@ -30,7 +35,7 @@ start() {
 # says FILE PATTERN
 says() {
     for ((i = 0; i < 1200; i++)); do
-        grep -q "$2" "$1" && return
+        grep -qs "$2" "$1" && return
         sleep 0.05
     done
     fail "$1 does not say $2"
