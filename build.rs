@@ -1,7 +1,7 @@
 //! Fixes the sizes: as constants for Rust, in the C header of sizes, and in the names of the symbols to export.
 //!
 //! Reads from the environment: the sizes that `src/sizes.mk` lists, and `DP_SIZES_DIR`, the directory that shall receive
-//! `sizes.h` and `exports.txt` (`make` sets it; without it they stay in cargo's `OUT_DIR`).
+//! `sizes.h`, `exports.txt` and what LLVM reads of these (`make` sets it; without it they stay in cargo's `OUT_DIR`).
 
 use std::{env, error::Error, fmt::Write, fs, path::Path};
 
@@ -27,7 +27,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let dir = env::var("DP_SIZES_DIR").unwrap_or(out);
     fs::create_dir_all(&dir)?;
     write_if_new(&Path::new(&dir).join("sizes.h"), &sizes_header(&sizes)?)?;
-    write_if_new(&Path::new(&dir).join("exports.txt"), &exports(&sizes)?)?;
+    let exports = exports(&sizes)?;
+    write_if_new(&Path::new(&dir).join("exports.txt"), &exports)?;
+    let mut attributes = String::new();
+    for name in exports.lines().filter(|name| !name.starts_with("dp_serial_")) {
+        writeln!(attributes, "{name},frame-pointer=none")?;
+    }
+    write_if_new(&Path::new(&dir).join("no_frame_pointers.csv"), &attributes)?;
     Ok(())
 }
 

@@ -29,11 +29,11 @@ op ~ /^(push|stmdb|vpush)/ && args ~ /\{/ && (op !~ /^stmdb/ || args ~ /^sp!/) {
 op ~ /^sub(\.w|w)?$/ && args ~ /^sp, (sp, )?#/ { sub(/.*#/, "", args); own[name] += args; next }
 op ~ /^str/ && args ~ /\[sp, #-[0-9]+\]!/ { sub(/.*#-/, "", args); own[name] += args + 0; next }
 # (Within a function bl is a far jump.)
-op ~ /^bl$|^blx$/ && /</ {
+op ~ /^blx?(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?$/ && /</ {
     if (target($0) != name || !/\+0x[0-9a-f]+>/) calls[name] = calls[name] " " target($0)
     next
 }
-op ~ /^b(\.[nw])?$/ && /</ { tail($0); next }
+op ~ /^b(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?(\.[nw])?$/ && /</ { tail($0); next }
 
 # RISC-V
 op ~ /^(c\.)?addi?(16sp)?$/ && args ~ /^sp,(sp,)?-/ { sub(/.*,-/, "", args); own[name] += args; next }

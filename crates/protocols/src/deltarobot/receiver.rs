@@ -110,17 +110,21 @@ impl<const ROOM: usize> Receiver<ROOM> {
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
         let have = self.have.get::<ROOM>();
-        let Some(place) = self.buffer.get_mut(have) else {
-            // Whatever was waited for.
-            self.last.set::<ROOM>(0);
-            return Err(Full);
-        };
+        let Some(place) = self.buffer.get_mut(have) else { return Err(self.full()) };
         *place = byte;
         self.have.set::<ROOM>(have.wrapping_add(1));
         if have < self.last.get::<ROOM>() {
             return Ok(false);
         }
         Ok(true)
+    }
+
+    /// Waits no more, whatever was waited for.
+    #[cold]
+    #[inline(never)]
+    const fn full(&mut self) -> Full {
+        self.last.set::<ROOM>(0);
+        Full
     }
 
     /// Takes bytes, as many as there is room for, and says how many. [`next`](Self::next) is to be called then.
