@@ -24,6 +24,7 @@ mod steps;
 #[path = "../common/support.rs"]
 mod support;
 mod tls;
+mod unit;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};

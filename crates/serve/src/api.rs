@@ -2,7 +2,7 @@
 
 pub(crate) mod compute;
 pub(crate) mod motion;
-mod path;
+pub(crate) mod path;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -3,8 +3,9 @@
 use deltarobot_cli::path::Machine;
 use proptest::prelude::*;
 
-use crate::api::{self, compute, motion};
-use crate::config;
+use crate::api::{self, compute, motion, path};
+use crate::mqtt::commands;
+use crate::{config, watch};
 
 /// Bytes that are nearly what is wanted, so that they get somewhere.
 fn nearly(words: &'static [&'static str]) -> impl Strategy<Value = Vec<u8>> {
@@ -37,7 +38,19 @@ const JSON: &[&str] = &[
     "\"offset\":0",
     "\"arms\":",
     " ",
+    "\"expires\":",
+    "\"2026-11-28T20:41:15Z\"",
+    "\"+262142-12-31T23:59:59Z\"",
+    "\"type\":\"lease\"",
+    "\"robot\":\"lab\"",
+    "\"force\":true",
+    "\"points\":",
+    "\"tolerance\":1",
+    "\"file\":\"0,0,0\"",
+    "\"format\":\"csv\"",
+    "\"plane\":",
 ];
+const GEOMETRY: &str = include_str!("../../../examples/geometry.toml");
 const TOML: &[&str] = &[
     "[robots.a]",
     "\n",
@@ -86,7 +99,14 @@ proptest! {
         if let Ok(request) = api::parse::<compute::ForwardRequest>(&bytes) {
             let _ = request.poses();
         }
+        if let (Ok(request), Ok(machine)) = (api::parse::<path::PathRequest>(&bytes), Machine::read(GEOMETRY)) {
+            let _ = request.prepare(&machine);
+        }
         let _ = api::parse::<Machine>(&bytes);
+        let _ = api::parse::<watch::Asked>(&bytes);
+        for word in ["home", "move", "cancel", ""] {
+            let _ = commands::read(word, &bytes);
+        }
     }
 
     #[test]

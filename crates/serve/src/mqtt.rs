@@ -4,7 +4,7 @@
 //! waits here when the connection is lost, is thrown away. Each connection begins with the states as they are then.
 
 mod arrival;
-mod commands;
+pub(crate) mod commands;
 mod connection;
 mod publisher;
 

@@ -47,10 +47,10 @@ pub(crate) struct Watch {
     pub(crate) client: String,
 }
 
-/// What clients send.
+/// What clients send; openapi.json describes it.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
-enum Asked {
+pub(crate) enum Asked {
     Lease {
         robot: Option<String>,
         client: Option<String>,

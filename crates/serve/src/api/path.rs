@@ -24,7 +24,7 @@ const POINTS_MAX: usize = 100_000;
 /// `path` and `path/run`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PathRequest {
+pub(crate) struct PathRequest {
     /// What was drawn, in the machine's frame.
     points: Option<Vec<[f64; 3]>>,
     /// Or a file's text, and what it is.
@@ -90,7 +90,8 @@ async fn prepared(app: &App, name: &Name, request: Request) -> Result<(Prepared,
 }
 
 impl PathRequest {
-    fn prepare(&self, machine: &Machine) -> Result<Prepared, Problem> {
+    /// Reads, simplifies and checks it.
+    pub(crate) fn prepare(&self, machine: &Machine) -> Result<Prepared, Problem> {
         let malformed = |text: &str| Problem::new(Kind::Malformed, text);
         let impossible = |text: String| Problem::new(Kind::Impossible, text);
         let prepared = match (&self.points, &self.file, &self.format, &self.plane) {

@@ -19,6 +19,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use super::arrival::Arrival;
 use super::publisher::is_json;
 use super::{Mqtt, lost};
+use crate::api::parse;
 use crate::locked;
 use crate::problem::{Kind, Problem};
 use crate::robot::{Command, Goal, Robot};
@@ -105,7 +106,7 @@ impl Commands {
         &self,
         publish: &Publish,
         properties: &PublishProperties,
-        arrived: Instant,
+        arrived: (Instant, DateTime<Utc>),
     ) -> Result<(Arc<Robot>, Wanted, OwnedSemaphorePermit), Problem> {
         let refused = |kind, text: &str| Err(Problem::new(kind, text));
         let topic = str::from_utf8(&publish.topic).unwrap_or_default();
@@ -117,18 +118,7 @@ impl Commands {
         if publish.retain {
             return refused(Kind::Expired, "the message was retained");
         }
-        let payload = if publish.payload.is_empty() { b"{}" } else { publish.payload.as_ref() };
-        let payload: Payload = serde_json::from_slice(payload)
-            .map_err(|error| Problem::new(Kind::Malformed, format!("the payload: {error}")))?;
-        let command = match (word, payload.displacements, payload.position) {
-            ("cancel", None, None) => None,
-            ("home", None, None) => Some(Command::Home),
-            ("move", displacements, position) => {
-                Some(Command::Move(Goal::new(displacements, position, payload.relative)?))
-            }
-            ("cancel" | "home", ..) => return refused(Kind::Malformed, "that takes no place"),
-            _ => return refused(Kind::NotFound, "commands are home, move and cancel"),
-        };
+        let (command, expires) = read(word, &publish.payload)?;
         let wanted = match command {
             None => Wanted::Cancel,
             Some(_) if !self.may_drive => {
@@ -138,7 +128,7 @@ impl Commands {
                 if publish.dup || self.was_seen(properties) {
                     return refused(Kind::Expired, "the message has come before");
                 }
-                Wanted::Motion(command, deadline(properties, payload.expires, arrived)?)
+                Wanted::Motion(command, deadline(properties, expires, arrived)?)
             }
         };
         let running = Arc::clone(&self.running).try_acquire_owned();
@@ -185,16 +175,30 @@ impl Commands {
     }
 }
 
+/// The command of that name with that payload, and its date; no command is to cancel.
+pub(crate) fn read(word: &str, payload: &[u8]) -> Result<(Option<Command>, Option<DateTime<Utc>>), Problem> {
+    let payload: Payload =
+        parse(payload).map_err(|problem| Problem::new(problem.kind, format!("the payload: {}", problem.detail)))?;
+    let command = match (word, payload.displacements, payload.position) {
+        ("cancel", None, None) => None,
+        ("home", None, None) => Some(Command::Home),
+        ("move", displacements, position) => Some(Command::Move(Goal::new(displacements, position, payload.relative)?)),
+        ("cancel" | "home", ..) => return Err(Problem::new(Kind::Malformed, "that takes no place")),
+        _ => return Err(Problem::new(Kind::NotFound, "commands are home, move and cancel")),
+    };
+    Ok((command, payload.expires))
+}
+
 /// Until when a motion may begin.
 fn deadline(
     properties: &PublishProperties,
     expires: Option<DateTime<Utc>>,
-    arrived: Instant,
+    (arrived, now): (Instant, DateTime<Utc>),
 ) -> Result<Instant, Problem> {
     let by_message = properties.message_expiry_interval.map(|seconds| arrived + Duration::from_secs(seconds.into()));
     let late = || Problem::new(Kind::Expired, "it has expired");
     let by_date = match expires {
-        Some(date) => Some(Instant::now() + (date - Utc::now()).to_std().map_err(|_| late())?),
+        Some(date) => Some(Instant::now() + (date - now).to_std().map_err(|_| late())?),
         None => None,
     };
     let deadline = by_message.into_iter().chain(by_date).min().ok_or_else(|| {
