@@ -5,6 +5,9 @@ use std::net::{TcpListener, TcpStream};
 use std::os::unix::fs::PermissionsExt;
 use std::thread::{JoinHandle, sleep, spawn};
 
+use rustix::fs::{OFlags, open};
+use rustix::termios::{ControlModes, tcgetattr};
+
 use super::*;
 
 const STATUS: &[u8] = b"$S\0\xB1:";
@@ -110,7 +113,13 @@ fn any_speed_and_no_lines_that_are_not_there() {
     for baud in ["250000", "74880", "31250", "115200"] {
         printed(&["status", "--baud", baud, &sim.device], FINISHED);
     }
-    printed(&["status", "--at-close", "keep", "--wait", "0.1", &sim.device], FINISHED);
+    // A pseudo-terminal remembers what would become of the lines that it has not.
+    for (choice, are_dropped) in [("keep", false), ("drop", true)] {
+        printed(&["status", "--at-close", choice, "--wait", "0.1", &sim.device], FINISHED);
+        let port = open(sim.device.as_str(), OFlags::NOCTTY | OFlags::CLOEXEC, rustix::fs::Mode::empty()).unwrap();
+        let settings = tcgetattr(port).unwrap();
+        assert_eq!(settings.control_modes.contains(ControlModes::HUPCL), are_dropped, "{choice}");
+    }
     complains(&["status", "--dtr", "off", &sim.device], DEVICE, "has no line DTR");
     complains(&["status", "--rts", "on", &sim.device], DEVICE, "has no line RTS");
 }
@@ -180,4 +189,53 @@ fn the_ports_of_this_machine_are_listed() {
         assert!(port["port"].as_str().unwrap().starts_with("/dev/"), "{port}");
     }
     printed(&["ports"], FINISHED);
+}
+
+/// As the system describes them, in directories that only root can put in their places.
+#[test]
+fn usb_ports_are_listed_with_names_and_numbers() {
+    if !rustix::process::geteuid().is_root() || !has_tool("unshare", "--version") {
+        return;
+    }
+    let unshared = |script: &str| {
+        let mut command = Command::new("unshare");
+        command.args(["-m", "sh", "-c", script]).arg(program());
+        command
+    };
+    if !run(&mut unshared("mount -t tmpfs none /dev")).status.success() {
+        return;
+    }
+    let system = out_dir().join("cli-system");
+    let _ = fs::remove_dir_all(&system);
+    let (device, class) = (system.join("1-1"), system.join("class"));
+    let interface = device.join("1-1:1.0");
+    let port = interface.join("tty/ttyACM0");
+    for directory in [&port, &class, &system.join("usb")] {
+        fs::create_dir_all(directory).unwrap();
+    }
+    for (file, text) in [
+        ("idVendor", "2341"),
+        ("idProduct", "0042"),
+        ("manufacturer", "Arduino"),
+        ("product", "Mega\u{202e}"),
+        ("serial", "85735313"),
+    ] {
+        fs::write(device.join(file), format!("{text}\n")).unwrap();
+    }
+    for (target, link) in [
+        (system.join("usb"), interface.join("subsystem")),
+        (interface, port.join("device")),
+        (port, class.join("ttyACM0")),
+    ] {
+        std::os::unix::fs::symlink(target, link).unwrap();
+    }
+    let mounted = "mount --bind \"$1\" /sys/class/tty && mount -t tmpfs none /dev && touch /dev/ttyACM0";
+    let listed = |option: &str| {
+        let output = run(unshared(&format!("{mounted} && exec \"$0\" ports {option}")).arg(&class));
+        assert!(output.status.success(), "{}", text(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert_eq!(listed(""), "/dev/ttyACM0  Arduino  Mega\\u{202e}  2341:0042  serial number 85735313\n");
+    let value: Value = serde_json::from_str(&listed("--json")).unwrap();
+    assert_eq!((&value["vendor_id"], &value["serial_number"]), (&0x2341.into(), &"85735313".into()), "{value}");
 }
