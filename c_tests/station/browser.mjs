@@ -121,6 +121,6 @@ export async function standsAt(page, target) {
 /** Takes a picture: one of docs/images where DP_STATION_PICTURES=1. @param {import('playwright-core').Page} page @param {string} name */
 export async function picture(page, name) {
   const path = new URL(`../../docs/images/${name}.png`, import.meta.url).pathname;
-  const bytes = await page.screenshot(process.env.DP_STATION_PICTURES === '1' ? { path } : {});
+  const bytes = await page.screenshot({ scale: 'css', ...(process.env.DP_STATION_PICTURES === '1' ? { path } : {}) });
   assert.ok(bytes.length > 10_000, `${name} is empty`);
 }

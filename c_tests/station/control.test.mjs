@@ -236,6 +236,12 @@ test('a pose of the facts page stands where it should', async () => {
 
   await page.click('#jog button:has-text("Y+")');
   await says(page, '#cartesian', /X 250\.0 {2}Y 405\.0 {2}Z 250\.0 mm/);
+  for (const [key, place] of /** @type {const} */ ([['ArrowLeft', 'X 245.0  Y 405.0  Z 250.0 mm'], ['ArrowDown', 'X 245.0  Y 400.0  Z 250.0 mm'], ['PageUp', 'X 245.0  Y 400.0  Z 255.0 mm']])) {
+    await page.waitForSelector('#jog button[aria-disabled=false]:has-text("X+")');
+    await page.focus('#jog button');
+    await page.keyboard.press(key);
+    await says(page, '#cartesian', new RegExp(`^${place}$`));
+  }
   // A target is checked against the limits that the geometry has.
   await page.selectOption('#move-kind', 'arms');
   await page.fill('#target-1', '301');

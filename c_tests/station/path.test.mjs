@@ -73,7 +73,6 @@ test('each format is loaded and run', async () => {
   await run();
   await load('star.svg', '<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30"><path d="M2 2 L20 4 C 25 10 20 20 10 18 Z"/></svg>');
   await says(page, '#path-note', /^star\.svg: \d+ targets, \d+ mm, all within reach/);
-  await picture(page, 'station-path');
   await run();
 });
 
@@ -95,8 +94,10 @@ test('bad files are refused with the line', async () => {
 
 test('what is out of reach is shown with the reason, and not run', async () => {
   await load('far.csv', '0,0,0\n0.9,0,0\n');
-  await says(page, '#path-note', /far\.csv: 1 parts are out of reach/);
+  await says(page, '#path-note', /far\.csv: 1 part is out of reach/);
   await says(page, '#path-problems', /lines? \d+ to 2: D[ABC] would have to be [\d.]+, at most 300 is possible/);
+  // Nothing is said of the run before it.
+  assert.equal(await page.textContent('#path-progress-text'), '');
   const { wanted, unreachable } = await drawn();
   assert.ok(wanted >= 1 && unreachable >= 1, `${wanted} ${unreachable}`);
   assert.equal(await page.getAttribute('#path-run', 'aria-disabled'), 'true');

@@ -1,7 +1,7 @@
 // A telephone: everything with a finger, by the touch events that Chromium gets from a screen.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { GEOMETRY, api, browser, inSpace, open, says, standsAt, start } from './browser.mjs';
+import { GEOMETRY, api, browser, inSpace, open, picture, says, standsAt, start } from './browser.mjs';
 
 test('home, jog, draw, run and cancel with a finger', async () => {
   const server = await start(['--sim', '1', '--listen', '127.0.0.1:0']);
@@ -48,6 +48,7 @@ test('home, jog, draw, run and cancel with a finger', async () => {
     assert.equal(await page.evaluate(() => document.querySelector('#robot')?.scrollTop), scrolled);
     await page.tap('#path-run');
     await says(page, '#path-progress-text', /^finished: (\d+) of \1, error/);
+    await picture(page, 'station-narrow');
 
     for (const at of [0, 1, 2]) await page.fill(`#target-${at}`, '10');
     await page.tap('#move-go');

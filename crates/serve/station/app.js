@@ -153,10 +153,11 @@ function draw({ state, targetPose }, { scene, paths }) {
   paths.update();
 }
 
-/** The machine, or bars where no pose is known. @param {Robot} robot */
+/** The machine, or bars where no pose is known, unless one draws on a plane. @param {Robot} robot */
 function showPlace({ state }) {
-  by('view').hidden = state.machine === null;
-  by('bars').hidden = state.pose !== null && noSpace === '';
+  const drawn = noSpace === '' && state.machine !== null && (state.pose !== null || !by('path').hidden);
+  by('view').hidden = !drawn;
+  by('bars').hidden = drawn;
   const why = noSpace ? noSpace : state.machine === null ? 'The geometry of this robot is not set: only displacements can be shown.'
     : state.displacements === null ? 'The position is unknown: no pose is shown.'
       : state.pose === null ? 'No pose has these displacements.' : '';
@@ -194,6 +195,7 @@ function openTab(name) {
     by(`tab-${tab}`).tabIndex = tab === name ? 0 : -1;
     by(tab).hidden = tab !== name;
   }
+  if (shown) showPlace(shown);
   space?.paths.show(name === 'path');
   plot.draw();
   traffic.draw();

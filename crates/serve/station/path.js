@@ -160,11 +160,11 @@ export class PathPanel {
         this.note(`${name}: being checked…`, false);
         const robot = this.robot();
         if (!robot) return;
+        this.forgetRun(robot);
         this.checked = await robot.checkPath(request());
-        this.reached = [];
         const { targets, unreachable, length } = this.checked;
         this.note(unreachable.length === 0 ? `${name}: ${targets} targets, ${(length * 1000).toFixed(0)} mm, all within reach`
-          : `${name}: ${unreachable.length} parts are out of reach`, unreachable.length > 0);
+          : `${name}: ${unreachable.length} part${unreachable.length === 1 ? ' is' : 's are'} out of reach`, unreachable.length > 0);
         by('path-problems').replaceChildren(...unreachable.slice(0, 50).map(({ lines, reason }) => make('li', { class: 'bad' }, `${name === 'drawn' ? 'points' : 'lines'} ${lines[0]} to ${lines[1]}: ${reason}`)));
       } catch (error) {
         this.checked = null;
@@ -181,12 +181,16 @@ export class PathPanel {
     const { request } = this;
     const running = this.robot();
     if (!request || !running) return;
-    // Nothing of the run before is shown as if it were this one.
-    running.run = running.state.path = null;
-    this.reached = [];
+    this.forgetRun(running);
     this.draw();
     this.update();
     this.act((robot) => robot.runPath(request()));
+  }
+
+  /** Shows nothing of the run before as if it were of this path. @param {Robot} robot */
+  forgetRun(robot) {
+    this.reached = [];
+    if (!isTracing(robot.state)) robot.run = robot.state.path = null;
   }
 
   /** @param {(robot: Robot) => Promise<void>} act */
@@ -216,10 +220,12 @@ export class PathPanel {
     if (!this.checked) return;
     const strokes = { wanted: 0x0072b2, travel: 0x8b949b, unreachable: 0xe0301e };
     for (const { kind, points } of this.checked.strokes) {
-      // Dashed besides red: colour alone tells nothing to many people.
+      // Dashed besides red, and over what is wanted: colour alone tells nothing to many people.
       const material = kind === 'wanted' ? new three.LineBasicMaterial({ color: strokes[kind] })
-        : new three.LineDashedMaterial({ color: strokes[kind], dashSize: this.scene.size / 12, gapSize: this.scene.size / 24 });
-      this.group.add(new three.Line(path(points), material).computeLineDistances());
+        : new three.LineDashedMaterial({ color: strokes[kind], dashSize: this.scene.size / (kind === 'travel' ? 12 : 6), gapSize: this.scene.size / 24 });
+      const line = new three.Line(path(points), material).computeLineDistances();
+      line.renderOrder = kind === 'unreachable' ? 1 : 0;
+      this.group.add(line);
     }
     this.reachedLine = new three.Line(path(this.reached), new three.LineBasicMaterial({ color: 0x009e73 }));
     this.reachedLine.frustumCulled = false;

@@ -6,7 +6,8 @@ import { platform, workingSide, workspace } from './kinematics.js';
 /** @typedef {import('./kinematics.js').Machine} Machine */
 
 const ARMS = [0x0072b2, 0xe69f00, 0x009e73];
-const TRACE_POINTS = 3000;
+/** Of some minutes: a robot that moves has 25 a second at most. */
+const TRACE_POINTS = 10_000;
 
 /** A tube between two points. */
 class Tube {
@@ -269,7 +270,9 @@ function label(text, at, size) {
     context.textAlign = 'center';
     context.fillText(text, 32, 50);
   }
-  const sprite = new three.Sprite(new three.SpriteMaterial({ map: new three.CanvasTexture(canvas) }));
+  const map = new three.CanvasTexture(canvas);
+  map.colorSpace = 'srgb';
+  const sprite = new three.Sprite(new three.SpriteMaterial({ map }));
   sprite.position.copy(at);
   sprite.scale.setScalar(size);
   return sprite;
