@@ -87,11 +87,12 @@ wine_program() {
     # Wine does not have what std takes random numbers from.
     x86_64-w64-mingw32-gcc -shared -Wall -Wextra -Werror -o "${program%/*}/bcryptprimitives.dll" \
         c_tests/cli/bcryptprimitives.c -ladvapi32
-    c_tests/cli/session.sh "$wine" "$program"
     cargo build --quiet -p deltarobot-cli --bin deltarobot
+    "$wine" reg query HKLM >/dev/null 2>&1
+    c_tests/cli/session.sh "$wine" "$program"
     target/debug/deltarobot sim --speed 200 --link "$out/com5" &
     sim=$!
-    trap 'kill "$sim" || true; "$server" -k || true' EXIT
+    trap 'kill "$sim" 2>/dev/null || true; "$server" -k || true' EXIT
     until [ -e "$out/com5" ]; do kill -0 "$sim" && sleep 0.1; done
     "$server" -k || true
     "$wine" reg query 'HKLM\Software\Wine\Ports' >/dev/null 2>&1
@@ -99,12 +100,10 @@ wine_program() {
     "$wine" "$program" home COM5
     "$wine" "$program" move 10 7.5 12.5 '\\.\COM5'
     "$wine" "$program" status COM5 | tr -d '\r' | grep -x 'IDLE  DA=10  DB=7.5  DC=12.5'
+    "$wine" "$program" move 120000 120000 120000 COM5 --no-wait
     "$wine" "$program" monitor COM5 >"$out/monitor" 2>&1 &
     watching=$!
-    until grep -q STATUS_REPLY "$out/monitor"; do
-        kill -0 "$watching"
-        "$wine" "$program" status COM5 >/dev/null || true
-    done
+    until grep -q 'STATUS_REPLY: MOVING' "$out/monitor"; do kill -0 "$watching" && sleep 0.1; done
     kill "$sim"
     wait "$watching" && fail "a port that has gone is watched"
     grep 'COM5: disconnected' "$out/monitor"
