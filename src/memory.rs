@@ -133,6 +133,7 @@ pub(super) unsafe fn string_of<'a>(text: *const c_char) -> Option<&'a CStr> {
 /// # Safety
 ///
 /// As for [`string_of`].
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn text_of<'a>(text: *const c_char) -> Option<&'a [u8]> {
     // SAFETY: the same contract.
     unsafe { string_of(text) }.map(CStr::to_bytes)

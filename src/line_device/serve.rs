@@ -48,6 +48,8 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
 /// # Safety
 ///
 /// See above.
+// On AVR with its caller it would have a frame of more than 64 bytes: see DeviceLink::write().
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
     // received before.

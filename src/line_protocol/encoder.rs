@@ -315,6 +315,7 @@ unsafe fn room_for<'a>(encoder: &LineEncoder) -> Option<&'a mut [u8]> {
 }
 
 /// Keeps how far a line is.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(crate) fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
     encoder.length = int(line.length());
     encoder.error = match line.error() {
