@@ -131,13 +131,17 @@ test('records of serve, also of one that was killed, play back', async () => {
   await page.waitForFunction(() => /** @type {any} */ (window).station.connection.robots.get('sim1')?.state.geometry, undefined, { timeout: PATIENCE });
   /** @param {string} name @param {Buffer} buffer */
   const load = (name, buffer) => page.setInputFiles('#playback-file', { name, mimeType: 'application/octet-stream', buffer });
+  const choose = async (/** @type {string} */ robot) => {
+    await page.selectOption('#playback-robot', robot);
+    await says(page, '#playback-note', /^0\.0 of/);
+  };
   const toEnd = async () => page.locator('#playback-time').fill(String(await page.getAttribute('#playback-time', 'max')));
 
   const whole = await record('SIGTERM');
   await load('whole.mcap', whole);
   await says(page, '#playback-note', /^0\.0 of [\d.]+ s, /);
   await says(page, '#playback-robots', /sim1sim2/);
-  await page.selectOption('#playback-robot', 'sim1');
+  await choose('sim1');
   await toEnd();
   await says(page, '#where', /A127\.23.*B79\.13.*C127\.23/);
   await says(page, '#cartesian', /X 250\.0 {2}Y 400\.0 {2}Z 250\.0 mm/);
@@ -148,7 +152,7 @@ test('records of serve, also of one that was killed, play back', async () => {
   await says(page, '#traffic-rows', /hostMOVE.*24 4D 0C/);
   const events = await page.evaluate(() => /** @type {any} */ (window).station.plot.events.map((/** @type {any} */ event) => event.text));
   for (const event of ['link up', 'test drives', 'home finished', 'move finished']) assert.ok(events.includes(event), `${event}: ${events}`);
-  await page.selectOption('#playback-robot', 'sim2');
+  await choose('sim2');
   await toEnd();
   await says(page, '#state-note', /position unknown/);
 
@@ -156,7 +160,7 @@ test('records of serve, also of one that was killed, play back', async () => {
   const killed = await record('SIGKILL');
   await load('killed.mcap', killed.subarray(0, killed.length - 7));
   await says(page, '#playback-warning', /was not ended: what is there up to its last chunk is shown/);
-  await page.selectOption('#playback-robot', 'sim1');
+  await choose('sim1');
   await toEnd();
   await says(page, '#where', /A\d+\.\d+.*B\d+/);
 

@@ -258,6 +258,7 @@ input('playback-file').addEventListener('change', async () => {
 /** Plays one robot of a recording, by the geometry of the robot of that name, or of the first that has one. */
 async function openStory() {
   const name = select('playback-robot').value;
+  say(by('playback-note'), 'Being read…');
   const able = [...connection.robots.values()].filter((robot) => robot.state.geometry);
   const like = able.find((robot) => robot.name === name) ?? able[0];
   playback.open(await recorded.story(name, like?.state ?? null));
