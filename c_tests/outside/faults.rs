@@ -111,8 +111,9 @@ fn with_clock(file: &Path) -> Option<Command> {
 /// The times that are shown are others, and nothing else.
 #[test]
 fn clock_set_back() {
-    let Some(broker) = Broker::start() else { return };
     for _ in 0..rounds() {
+        // One that holds no states of the round before.
+        let Some(broker) = Broker::start() else { return };
         let (directory, clock) = (empty("clock"), empty("time").join("clock"));
         let set = |offset: &str| {
             let new = clock.with_extension("new");
