@@ -49,7 +49,7 @@ struct Robot {
     count: AtomicU64,
     /// When each report was sent, in nanoseconds since the beginning.
     sent: Vec<AtomicU64>,
-    /// When the last cancel request came.
+    /// When it was cancelled first since this was 0: it may be asked again, to be sure that the answer is not an old one.
     cancelled: AtomicU64,
 }
 
@@ -136,6 +136,7 @@ impl Load {
     fn cancel(&self, address: SocketAddr, robots: &[Robot], began: Instant) -> Vec<u32> {
         let (robot, mut times) = (robots.last().unwrap(), Vec::new());
         for _ in 0..self.cancels {
+            robot.cancelled.store(0, Relaxed);
             let before = nanoseconds(began);
             ask(address, &format!("POST /api/robots/r{}/cancel", robots.len() - 1), "", "");
             times.push(((robot.cancelled.load(Relaxed) - before) / 1000) as u32);
@@ -214,7 +215,7 @@ fn answer(robots: &[Robot], is_over: &AtomicBool, began: Instant) {
                 let opcode = Opcode(request[1]);
                 match opcode {
                     Opcode::CANCEL => {
-                        robot.cancelled.store(now, Relaxed);
+                        let _ = robot.cancelled.compare_exchange(0, now, Relaxed, Relaxed);
                         robot.is_moving.store(false, Relaxed);
                     }
                     Opcode::MOVE => robot.is_moving.store(true, Relaxed),
@@ -299,6 +300,8 @@ fn watch(
 ) -> (Vec<u32>, usize) {
     let mut socket = connect(address, number);
     started.wait();
+    // What was sent while a thousand others connected is not measured.
+    let from = nanoseconds(began);
     let (mut times, mut lost, mut newest) = (Vec::new(), 0, None);
     while !is_over.load(Relaxed) {
         let Ok(message) = socket.read() else { break };
@@ -312,7 +315,10 @@ fn watch(
             Some(newest) if count <= newest => continue,
             Some(newest) => {
                 lost += (count - newest - 1) as usize;
-                times.push(((now - robot.sent[count as usize].load(Relaxed)) / 1000) as u32);
+                let sent = robot.sent[count as usize].load(Relaxed);
+                if sent >= from {
+                    times.push(((now - sent) / 1000) as u32);
+                }
             }
             None => (),
         }
