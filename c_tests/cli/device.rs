@@ -8,7 +8,7 @@ use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-use super::PATIENCE;
+use super::TIMEOUT;
 
 pub(super) struct Device {
     master: File,
@@ -39,7 +39,7 @@ impl Device {
     pub(super) fn hear(&mut self, count: usize) -> Vec<u8> {
         let mut heard = Vec::new();
         let began = Instant::now();
-        while heard.len() < count && began.elapsed() < PATIENCE {
+        while heard.len() < count && began.elapsed() < TIMEOUT {
             heard.extend(self.hear_now());
             std::thread::sleep(Duration::from_millis(1));
         }

@@ -42,7 +42,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::steps::{PATIENCE, until, utf8};
+use crate::steps::{TIMEOUT, until, utf8};
 use crate::support::{DEFAULT, Library, Mode, Program, build, command, has_tool, is_missing, out_dir, root, run, text};
 
 const FINISHED: i32 = 0;

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::time::{Duration, Instant};
 
-use super::{PATIENCE, Running};
+use super::{Running, TIMEOUT};
 
 /// A simulator, and its device opened.
 pub(super) struct Talk {
@@ -46,13 +46,13 @@ impl Talk {
 
     /// So many bytes, or fewer when they don't come.
     pub(super) fn hear(&mut self, count: usize) -> Vec<u8> {
-        self.hear_until(PATIENCE, |heard| heard.len() >= count);
+        self.hear_until(TIMEOUT, |heard| heard.len() >= count);
         self.heard.drain(..count.min(self.heard.len())).collect()
     }
 
     /// So many lines without their ends.
     pub(super) fn hear_lines(&mut self, count: usize) -> Vec<String> {
-        self.hear_until(PATIENCE, |heard| heard.split(|byte| *byte == b'\n').count() > count);
+        self.hear_until(TIMEOUT, |heard| heard.split(|byte| *byte == b'\n').count() > count);
         let text = String::from_utf8(std::mem::take(&mut self.heard)).unwrap();
         let mut said = text.split_inclusive('\n');
         let first = said.by_ref().take(count).map(|line| line.trim_end_matches('\n').to_owned()).collect();

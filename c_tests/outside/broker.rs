@@ -115,14 +115,14 @@ impl Listener {
         for topic in topics {
             client.subscribe(*topic, QoS::AtLeastOnce).unwrap();
         }
-        is_ready.recv_timeout(PATIENCE).expect("the broker takes subscriptions");
+        is_ready.recv_timeout(TIMEOUT).expect("the broker takes subscriptions");
         Self { client, heard }
     }
 
     /// Waits for a message like that: its topic, its JSON, and all of it.
     pub(super) fn hear(&self, what: &str, is_it: impl Fn(&str, &Value, &Publish) -> bool) -> (Value, Publish) {
         let began = Instant::now();
-        while began.elapsed() < PATIENCE {
+        while began.elapsed() < TIMEOUT {
             let Ok(publish) = self.heard.recv_timeout(Duration::from_millis(100)) else { continue };
             let topic = std::str::from_utf8(&publish.topic).unwrap();
             // Commands of this client itself may have none.

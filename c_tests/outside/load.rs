@@ -25,7 +25,7 @@ use rumqttc::v5::mqttbytes::v5::{Packet, PublishProperties};
 use rumqttc::v5::{Client, Event, MqttOptions};
 
 /// What has not come by then won't come.
-const PATIENCE: Duration = Duration::from_secs(300);
+const TIMEOUT: Duration = Duration::from_secs(300);
 
 struct Running(Child);
 
@@ -109,7 +109,7 @@ fn main() {
                 return;
             }
         }
-        assert!(counting.is_some() || began.elapsed() < PATIENCE, "{} robots move", seen.moving.len());
+        assert!(counting.is_some() || began.elapsed() < TIMEOUT, "{} robots move", seen.moving.len());
     }
 }
 
@@ -160,7 +160,7 @@ fn broker(directory: &Path) -> Option<(Running, u16)> {
     let child = Command::new(program).arg("-c").arg(settings).stderr(Stdio::null()).spawn().unwrap();
     let began = Instant::now();
     while TcpStream::connect(("127.0.0.1", port)).is_err() {
-        assert!(began.elapsed() < PATIENCE, "the broker listens");
+        assert!(began.elapsed() < TIMEOUT, "the broker listens");
         sleep(Duration::from_millis(50));
     }
     Some((Running(child), port))

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket, client};
 
-use super::{PATIENCE, Server, found, schema};
+use super::{Server, TIMEOUT, found, schema};
 
 /// A connection for events.
 pub(super) struct Watcher(pub(super) WebSocket<TcpStream>);
@@ -15,7 +15,7 @@ pub(super) struct Watcher(pub(super) WebSocket<TcpStream>);
 impl Server {
     pub(super) fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.address).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream
     }
 

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::driving::{far, slow};
 use super::robot::{CANCEL, HOME, Robot};
-use super::{PATIENCE, Server, file, found};
+use super::{Server, TIMEOUT, file, found};
 
 #[test]
 fn a_robot_that_says_nothing_is_not_shown_as_if_it_did() {
@@ -34,7 +34,7 @@ fn bytes_over_tcp_one_drives_and_others_listen() {
     let address = server.said[0].strip_prefix("lab: raw bytes on ").unwrap();
     let connect = || {
         let stream = TcpStream::connect(address).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream
     };
     let mut driver = connect();

@@ -30,7 +30,7 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::steps::{PATIENCE, found};
+use crate::steps::{TIMEOUT, found};
 
 /// The program, which is killed when the test ends.
 struct Server {

@@ -7,7 +7,7 @@ import { chromium } from 'playwright-core';
 
 export const PROGRAM = process.env.DELTAROBOT_SERVE ?? '../../target/debug/deltarobot-serve';
 /** What has not come by then won't come, however slow the machine. */
-export const PATIENCE = 120_000;
+export const TIMEOUT = 120_000;
 
 /** The robot of docs/kinematics.md, with displacements in millimetres. */
 export const GEOMETRY = {
@@ -62,7 +62,7 @@ export async function browser(more = []) {
  */
 export async function open(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
-  context.setDefaultTimeout(PATIENCE);
+  context.setDefaultTimeout(TIMEOUT);
   const page = await context.newPage();
   /** @type {string[]} */
   const errors = [];
@@ -80,7 +80,7 @@ export async function says(page, selector, text) {
   const element = page.locator(selector);
   try {
     await page.waitForFunction(([selector, source, flags]) => new RegExp(source, flags).test(document.querySelector(selector)?.textContent ?? ''),
-      [selector, text.source, text.flags], { timeout: PATIENCE });
+      [selector, text.source, text.flags], { timeout: TIMEOUT });
   } catch {
     assert.fail(`${selector} says "${await element.textContent()}" instead of ${text}`);
   }
@@ -88,7 +88,7 @@ export async function says(page, selector, text) {
 
 /** Waits until three.js is there, which is loaded when all else is shown. @param {import('playwright-core').Page} page */
 export async function inSpace(page) {
-  await page.waitForFunction(() => /** @type {any} */ (window).station?.scene?.drawn().robot, undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => /** @type {any} */ (window).station?.scene?.drawn().robot, undefined, { timeout: TIMEOUT });
 }
 
 /** @param {import('playwright-core').Page} page */
@@ -101,7 +101,7 @@ export async function drive(page) {
 export async function home(page) {
   await page.click('#home');
   await says(page, '#state', /IDLE/);
-  await page.waitForFunction(() => [...document.querySelectorAll('#where td:nth-child(2)')].every((cell) => cell.textContent === '0.00'), undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => [...document.querySelectorAll('#where td:nth-child(2)')].every((cell) => cell.textContent === '0.00'), undefined, { timeout: TIMEOUT });
 }
 
 /** @param {import('playwright-core').Page} page @param {(number | string)[]} target */
@@ -115,7 +115,7 @@ export async function standsAt(page, target) {
   await page.waitForFunction((target) => {
     const cells = [...document.querySelectorAll('#where td:nth-child(2)')].map((cell) => cell.textContent);
     return target.every((value, arm) => cells[arm] === value) && document.querySelector('#state')?.textContent === 'IDLE';
-  }, target, { timeout: PATIENCE });
+  }, target, { timeout: TIMEOUT });
 }
 
 /** Takes a picture: one of docs/images where DP_STATION_PICTURES=1. @param {import('playwright-core').Page} page @param {string} name */

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Controller } from './controller.mjs';
-import { GEOMETRY, PATIENCE, api, browser, drive, home, inSpace, move, open, says, standsAt, start } from './browser.mjs';
+import { GEOMETRY, TIMEOUT, api, browser, drive, home, inSpace, move, open, says, standsAt, start } from './browser.mjs';
 
 /** @type {Awaited<ReturnType<typeof start>>} */
 let server;
@@ -194,7 +194,7 @@ test('a pose of the facts page stands where it should', async () => {
   await page.fill('#cal-d_e', '0.08');
   for (const arm of [0, 1, 2]) for (const [what, value] of /** @type {const} */ ([['scale', '0.001'], ['offset', '0.3'], ['min', '0'], ['max', '300']])) await page.fill(`#cal-${what}${arm}`, value);
   await page.click('#calibrate button[type=submit]');
-  await page.waitForFunction(() => !(/** @type {HTMLDialogElement} */ (document.querySelector('#calibrate')).open), undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => !(/** @type {HTMLDialogElement} */ (document.querySelector('#calibrate')).open), undefined, { timeout: TIMEOUT });
   assert.deepEqual((await api(`${server.url}/api/robots/sim2`, 'GET')).geometry.joints, GEOMETRY.joints);
 
   await drive(page);

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { get } from 'node:http';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, PATIENCE, api, browser, drive, home, move, open, picture, says, standsAt, start } from './browser.mjs';
+import { GEOMETRY, TIMEOUT, api, browser, drive, home, move, open, picture, says, standsAt, start } from './browser.mjs';
 import { Controller } from './controller.mjs';
 
 /** How long the test of memory takes, in seconds: DP_STATION_MEMORY=600 is the long one. */
@@ -38,7 +38,7 @@ function fetched(path, headers = {}) {
 
 test('files: compressed, tagged, guarded by a policy, small', async () => {
   const { page, context, errors } = await open(chromium, `${server.url}/#/robot/sim1`);
-  await page.waitForFunction(() => /** @type {any} */ (window).station?.scene, undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => /** @type {any} */ (window).station?.scene, undefined, { timeout: TIMEOUT });
   const paths = await page.evaluate(() => performance.getEntriesByType('resource').map((entry) => new URL(entry.name).pathname).filter((path) => !path.startsWith('/api/')));
   assert.ok(paths.length > 10, String(paths));
   let total = 0;
@@ -141,7 +141,7 @@ test('the layout at 1280 by 800, and its picture', async () => {
   await standsAt(page, ['140.00', '60.00', '100.00']);
   await move(page, [100, 120, 150]);
   await says(page, '#state', /MOVING/);
-  await page.waitForFunction(() => /** @type {any} */ (window).station.scene?.drawn().ghost, undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => /** @type {any} */ (window).station.scene?.drawn().ghost, undefined, { timeout: TIMEOUT });
   await picture(page, 'station');
   const box = async (/** @type {string} */ selector) => {
     const found = await page.locator(selector).boundingBox();
@@ -176,7 +176,7 @@ test('the layout at 1280 by 800, and its picture', async () => {
   const part = await span();
   assert.ok(part > all * 0.15 && part < all * 0.4, `${part} of ${all}`);
   await page.click('#plot-all');
-  await page.waitForFunction((all) => { const { min, max } = /** @type {any} */ (window).station.plot.chart.scales.x; return max - min >= all; }, all, { timeout: PATIENCE });
+  await page.waitForFunction((all) => { const { min, max } = /** @type {any} */ (window).station.plot.chart.scales.x; return max - min >= all; }, all, { timeout: TIMEOUT });
   await page.click('#plot-pause');
   assert.equal(await page.getAttribute('#plot-pause', 'aria-pressed'), 'true');
   assert.deepEqual(errors, []);
@@ -194,7 +194,7 @@ test(`a hundred reports a second for ${MEMORY_SECONDS} s take no more and more m
   const flood = controller.flood(100);
   const received = () => page.evaluate(() => /** @type {any} */ (window).station.traffic.total);
   /** @param {number} count */
-  const until = (count) => page.waitForFunction((count) => /** @type {any} */ (window).station.traffic.total >= count, count, { timeout: 10 * PATIENCE });
+  const until = (count) => page.waitForFunction((count) => /** @type {any} */ (window).station.traffic.total >= count, count, { timeout: 10 * TIMEOUT });
   await until(300);
   const [before, from] = [await used(), await received()];
   await until(from + MEMORY_SECONDS * 100);

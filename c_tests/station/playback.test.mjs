@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, PATIENCE, api, browser, inSpace, open, says, start } from './browser.mjs';
+import { GEOMETRY, TIMEOUT, api, browser, inSpace, open, says, start } from './browser.mjs';
 import { frame } from './controller.mjs';
 
 /** @type {Awaited<ReturnType<typeof start>>} */
@@ -46,7 +46,7 @@ function recording() {
 
 test('a recording is shown, dragged through and played', async () => {
   const { page, context, errors } = await open(chromium, `${server.url}/#/recording`);
-  await page.waitForFunction(() => /** @type {any} */ (window).station.connection.robots.get('sim1')?.state.geometry, undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => /** @type {any} */ (window).station.connection.robots.get('sim1')?.state.geometry, undefined, { timeout: TIMEOUT });
   await page.setInputFiles('#playback-file', { name: 'session.txt', mimeType: 'text/plain', buffer: Buffer.from(recording()) });
   await says(page, '#playback-note', /^0\.0 of 4\.0 s/);
   await says(page, '#driver', /A recording/);
@@ -119,7 +119,7 @@ async function record(signal) {
     }
     // Chunks end each second.
     const has = () => /"event":"ended"[^}]*"kind":"move"/.test(file().toString('latin1'));
-    for (const began = Date.now(); !has(); await new Promise((resolve) => setTimeout(resolve, 100))) assert.ok(Date.now() < began + PATIENCE);
+    for (const began = Date.now(); !has(); await new Promise((resolve) => setTimeout(resolve, 100))) assert.ok(Date.now() < began + TIMEOUT);
   } finally {
     await recording.stop(signal);
   }
@@ -128,7 +128,7 @@ async function record(signal) {
 
 test('records of serve, also of one that was killed, play back', async () => {
   const { page, context, errors } = await open(chromium, `${server.url}/#/recording`);
-  await page.waitForFunction(() => /** @type {any} */ (window).station.connection.robots.get('sim1')?.state.geometry, undefined, { timeout: PATIENCE });
+  await page.waitForFunction(() => /** @type {any} */ (window).station.connection.robots.get('sim1')?.state.geometry, undefined, { timeout: TIMEOUT });
   /** @param {string} name @param {Buffer} buffer */
   const load = (name, buffer) => page.setInputFiles('#playback-file', { name, mimeType: 'application/octet-stream', buffer });
   const choose = async (/** @type {string} */ robot) => {

@@ -4,7 +4,7 @@ import { mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { PATIENCE, browser, drive, home, open, says, start } from './browser.mjs';
+import { TIMEOUT, browser, drive, home, open, says, start } from './browser.mjs';
 
 const [DRIVE, WATCH] = ['drive-0123456789abcdef', 'watch~0123456789.abcdef'];
 
@@ -20,11 +20,11 @@ test('a token is asked for, kept, and sent with everything', async () => {
   try {
     const url = server.url;
     const { page, context, errors } = await open(chromium, url);
-    await page.waitForSelector('#token-value', { timeout: PATIENCE });
+    await page.waitForSelector('#token-value', { timeout: TIMEOUT });
     // Without a robot there is nothing to cancel, and Escape does not shut the question away.
     await page.keyboard.press('Escape');
     await says(page, '#cancel-all-note', /NOT CONFIRMED: no robot is known/);
-    await page.waitForSelector('#token-value:focus', { timeout: PATIENCE });
+    await page.waitForSelector('#token-value:focus', { timeout: TIMEOUT });
     await page.keyboard.type('short');
     await page.keyboard.press('Enter');
     await says(page, '#token-note', /16 to 256/);

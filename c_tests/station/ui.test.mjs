@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { Controller } from './controller.mjs';
-import { PATIENCE, PROGRAM, browser, open, says, start } from './browser.mjs';
+import { TIMEOUT, PROGRAM, browser, open, says, start } from './browser.mjs';
 
 const UI = process.env.DELTAROBOT_UI ?? PROGRAM.replace(/-serve$/, '-ui');
 
@@ -20,7 +20,7 @@ test('opens the page of one robot in the browser, and ends when told', async () 
   const chromium = await browser();
   const ui = await start([controller.url, '--geometry', geometry], UI, { BROWSER: stand_in, OPENED: opened });
   try {
-    for (const began = Date.now(); !existsSync(opened); await new Promise((resolve) => setTimeout(resolve, 50))) assert.ok(Date.now() < began + PATIENCE);
+    for (const began = Date.now(); !existsSync(opened); await new Promise((resolve) => setTimeout(resolve, 50))) assert.ok(Date.now() < began + TIMEOUT);
     const url = readFileSync(opened, 'utf8').trim();
     assert.equal(url, ui.url);
     assert.match(url, /^http:\/\/127\.0\.0\.1:\d+$/);
@@ -28,7 +28,7 @@ test('opens the page of one robot in the browser, and ends when told', async () 
     await says(page, '#state', /IDLE/);
     // One robot: there is no overview to go to. Its geometry is what the file says.
     assert.ok(await page.locator('#to-fleet').isHidden());
-    await page.waitForFunction(() => /** @type {any} */ (window).station.robot()?.state.machine, undefined, { timeout: PATIENCE });
+    await page.waitForFunction(() => /** @type {any} */ (window).station.robot()?.state.machine, undefined, { timeout: TIMEOUT });
     const ended = once(ui.child, 'exit');
     ui.child.kill('SIGINT');
     assert.deepEqual(await ended, [0, null]);

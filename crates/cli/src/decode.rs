@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     /// The bytes are lines of text, such as `V1000x400y300`: always so with --protocol line, else for --protocol gx
     #[arg(long)]
     text: bool,
-    /// Who sends, where the message does not tell
+    /// Who sends, where the message does not say
     #[arg(long, value_enum, value_name = "SIDE")]
     from: Option<Side>,
 }

@@ -15,7 +15,7 @@ use crate::recording::Side;
 /// What is certain to be garbage is shown after so much silence.
 const QUIET: Duration = Duration::from_millis(50);
 
-/// A run of garbage without an end is told in pieces of about this many bytes.
+/// A run of garbage without an end is reported in pieces of about this many bytes.
 const GARBAGE_MAX: usize = 64;
 
 /// Kinds of messages that are counted each for itself: some protocols let who sends make up names.
@@ -41,7 +41,7 @@ pub trait Decoder {
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// Who sent it, where that is known or the message tells.
+    /// Who sent it, where that is known or the message says.
     pub from: Option<Side>,
     /// What it counts as.
     pub kind: Kind,
@@ -114,7 +114,7 @@ impl<T> Lanes<T> {
 /// How statistics name things.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms {
-    /// Messages, such as `frames`, and the member of the object that tells how many there were of each kind.
+    /// Messages, such as `frames`, and the member of the object that counts each kind.
     pub(crate) messages: &'static str,
     pub(crate) by_kind: &'static str,
     /// What is damaged, in words and as a member of the object.

@@ -24,7 +24,7 @@ use crate::wait::wait;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Each line has the time in seconds since the beginning, the direction (> from the host, < from the \
-    controller, where a recording or the message tells it) and the message. Statistics follow at the end or on Ctrl-C."
+    controller, where a recording or the message says it) and the message. Statistics follow at the end or on Ctrl-C."
 )]
 pub(crate) struct Arguments {
     /// A device (or `tcp://HOST:PORT`, `rfc2217://HOST:PORT`), a recording, a file of raw bytes, or `-` for standard input
@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
     json: bool,
     #[command(flatten)]
     spoken: Spoken,
-    /// Who sends, where neither the source nor the message tells
+    /// Who sends, where neither the source nor the message says
     #[arg(long, value_enum, value_name = "SIDE")]
     from: Option<Side>,
     /// Which times are shown: seconds since the beginning, or date and time

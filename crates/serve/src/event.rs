@@ -1,4 +1,4 @@
-//! What watchers are told.
+//! What watchers get.
 
 use std::sync::{Arc, OnceLock};
 

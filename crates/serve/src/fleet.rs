@@ -25,7 +25,7 @@ pub(crate) struct Fleet {
     pub(crate) watchers: AtomicU64,
     /// Events that slow watchers have lost.
     pub(crate) dropped: AtomicU64,
-    /// Whether the program is over: who watches is told what has happened until then, and lets go of it.
+    /// Whether the program is over: who watches gets what has happened until then, and lets go of it.
     pub(crate) is_over: watch::Sender<bool>,
     /// Disconnected when all threads have ended.
     ended: std::sync::Mutex<mpsc::Receiver<()>>,

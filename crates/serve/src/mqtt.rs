@@ -154,6 +154,6 @@ impl Mqtt {
 
 /// Waits until that connection is lost.
 async fn lost(mut session: watch::Receiver<u64>, number: u64) {
-    // When nobody can tell any more, the program ends.
+    // When nobody can publish any more, the program ends.
     let _ = session.wait_for(|now| *now != number).await;
 }

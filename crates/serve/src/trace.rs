@@ -75,12 +75,12 @@ impl Traces {
             }
             traces.insert(Arc::clone(&name), Arc::clone(&trace));
         }
-        let (traces, run) = (Arc::clone(self), trace.tell(Doing::Running, None, String::new()));
+        let (traces, run) = (Arc::clone(self), trace.publish(Doing::Running, None, String::new()));
         tokio::spawn(async move {
             let began = Instant::now();
             let (doing, message) = trace.follow(cancels, began).await;
             locked(&traces.0).remove(&name);
-            trace.tell(doing, None, message);
+            trace.publish(doing, None, message);
         });
         Ok(run)
     }
@@ -150,7 +150,7 @@ impl Trace {
                 runner.reached(at);
                 runner.progress().time_left(since.elapsed())
             };
-            self.tell(Doing::Running, left, String::new());
+            self.publish(Doing::Running, left, String::new());
         }
     }
 
@@ -164,18 +164,18 @@ impl Trace {
         {
             if !was_told {
                 let left = locked(&self.runner).progress().time_left(since.elapsed());
-                self.tell(Doing::Paused, left, String::new());
+                self.publish(Doing::Paused, left, String::new());
                 was_told = true;
             }
             let _ = tokio::time::timeout(LOOK, self.resumed.notified()).await;
         }
         if was_told {
-            self.tell(Doing::Running, None, String::new());
+            self.publish(Doing::Running, None, String::new());
         }
         paused.elapsed()
     }
 
-    fn tell(&self, state: Doing, left: Option<Duration>, message: String) -> Run {
+    fn publish(&self, state: Doing, left: Option<Duration>, message: String) -> Run {
         let left = left.map(|left| left.as_secs_f64());
         let run = {
             let runner = locked(&self.runner);

@@ -110,7 +110,7 @@ impl Reader {
 /// The bytes of one direction, or of both.
 struct Lane {
     reader: Reader,
-    /// A `#` and what follows, as long as it does not tell who sends it.
+    /// A `#` and what follows, as long as it does not show who sends it.
     undecided: Vec<u8>,
     /// The bytes of what is not complete.
     bytes: Vec<u8>,
@@ -179,14 +179,14 @@ impl Lane {
     fn read(&mut self, from: Option<Side>, byte: u8, found: &mut Vec<Piece>) {
         let (is_taken, item) = self.reader.take(byte);
         if !is_taken {
-            self.tell(from, item, found);
+            self.emit(from, item, found);
             // What ends one thing begins another, of which nothing is known.
             self.begin_or_go_on(from, byte, found);
             return;
         }
         self.bytes.push(byte);
         if item.is_some() {
-            self.tell(from, item, found);
+            self.emit(from, item, found);
         } else if byte == ESC {
             self.tell_garbage(from, found);
             let json = json!({ "kind": "clear", "bytes": hex(&self.bytes) });
@@ -211,13 +211,13 @@ impl Lane {
         }
         if gives_up || self.reader.pending() == Some(Message::Completed) {
             let item = self.reader.idle();
-            self.tell(from, item, found);
+            self.emit(from, item, found);
         }
         self.tell_garbage(from, found);
     }
 
-    /// Tells what the bytes until here are.
-    fn tell(&mut self, from: Option<Side>, item: Option<Item>, found: &mut Vec<Piece>) {
+    /// Emits what the bytes until here are.
+    fn emit(&mut self, from: Option<Side>, item: Option<Item>, found: &mut Vec<Piece>) {
         let bytes = std::mem::take(&mut self.bytes);
         let Some(item) = item else { return };
         if let Message::Malformed(code) = item.message {
@@ -245,7 +245,7 @@ impl Lane {
     }
 }
 
-/// Who sends what begins with `#` and these bytes; `None` as long as that does not tell.
+/// Who sends what begins with `#` and these bytes; `None` as long as that does not show.
 fn sender_of_numbered(bytes: &[u8]) -> Option<Side> {
     let (is_packed, behind) = match bytes {
         [] | [_] | [_, PACKED..=0xFF] => return None,
@@ -259,7 +259,7 @@ fn sender_of_numbered(bytes: &[u8]) -> Option<Side> {
         None if bytes.len() > NUMBER_LONGEST => Some(Side::Host),
         None => None,
         Some(b'?' | b'\r' | b'\n') => Some(Side::Controller),
-        // A number that is told, and the next notice behind it.
+        // A number that is reported, and the next notice behind it.
         Some(b'#' | b'=') if is_packed => Some(Side::Controller),
         Some(_) => Some(Side::Host),
     }

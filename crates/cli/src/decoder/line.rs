@@ -13,7 +13,7 @@ use crate::screen::printable;
 
 /// A line whose end has not come for so long is given up. The protocol has no such limit: somebody may be typing.
 const PAUSE: Duration = Duration::from_secs(2);
-/// What has no end of a line is told in pieces of this many bytes.
+/// What has no end of a line is reported in pieces of this many bytes.
 const LONGEST: usize = 1024;
 /// Devices whose names are remembered.
 const DEVICES_MAX: usize = 256;

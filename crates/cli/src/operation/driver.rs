@@ -220,7 +220,7 @@ impl<'a> Driver<'a> {
                 loop {
                     match self.perform(Request::Status, false, &mut reporter)? {
                         End::Outcome(Outcome::TimedOut) if began.elapsed() < time => (),
-                        // Whoever then makes a request is told that there is no answer.
+                        // Requests made after that end without an answer.
                         End::Outcome(_) => return Ok(finished),
                         end => return Ok(end),
                     }

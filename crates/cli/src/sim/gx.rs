@@ -11,11 +11,11 @@ use super::{Machine, above_zero, milliseconds};
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Options of --protocol gx")]
 pub(super) struct AxesOptions {
-    /// Steps per second along the vector as long as no command has told; 1000 by default
+    /// Steps per second along the vector as long as no command has set any; 1000 by default
     #[arg(long, value_name = "STEPS", value_parser = above_zero)]
     velocity: Option<f64>,
     /// How far each axis can go to both sides, before the machine stops and says so; else as far as positions can be
-    /// told
+    /// reported
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(i32).range(1..=i64::from(POSITION_MAX)))]
     travel: Option<i32>,
     /// How many axes there are, the first of x, y, z, a, b, c: commands for others are refused; 6 by default
@@ -62,10 +62,10 @@ impl Axes {
         axes
     }
 
-    /// Tells all that there is to tell.
-    fn tell(&mut self, now: Duration, out: &mut Vec<u8>) {
+    /// Reports all that there is to report.
+    fn report(&mut self, now: Duration, out: &mut Vec<u8>) {
         let now = milliseconds(now);
-        // What else happened, the moves themselves tell.
+        // What else happened, the moves themselves show.
         while let Some(event) = self.motion.poll(now) {
             match event {
                 Event::Hold => self.is_held = true,
@@ -118,7 +118,7 @@ impl Machine for Axes {
         while !rest.is_empty() {
             let taken = self.motion.receive(rest, milliseconds(now));
             rest = rest.get(taken..).unwrap_or_default();
-            self.tell(now, out);
+            self.report(now, out);
         }
     }
 
@@ -126,7 +126,7 @@ impl Machine for Axes {
         let passed = now.saturating_sub(self.machine.turned);
         self.machine.turned = now;
         self.advance(passed.as_secs_f64());
-        self.tell(now, out);
+        self.report(now, out);
     }
 }
 

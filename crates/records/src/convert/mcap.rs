@@ -93,7 +93,7 @@ impl Out {
     }
 }
 
-/// Writes it: of bytes also the messages that they are, and the states that those tell.
+/// Writes it: of bytes also the messages that they are, and the states that those report.
 pub(super) struct Mcap {
     out: Out,
     name: PathBuf,

@@ -9,7 +9,7 @@ use deltarobot_cli::port::GAP_USB;
 
 use super::formats::{Content, Record};
 
-/// Takes apart what robots say and are told.
+/// Takes apart what robots send and receive.
 pub(super) struct Messages {
     protocol: Protocol,
     lines: BTreeMap<String, Line>,

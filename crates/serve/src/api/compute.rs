@@ -115,17 +115,17 @@ impl Story {
             }
         }
         let pieces = self.decoder.feed(Some(from), bytes);
-        self.tell(time, pieces);
+        self.emit(time, pieces);
     }
 
     fn idle(&mut self, now: Duration, gap: Duration) {
         for (from, heard) in [Side::Host, Side::Controller].into_iter().zip(self.heard) {
             let pieces = self.decoder.idle(Some(from), now.saturating_sub(heard), gap);
-            self.tell(heard, pieces);
+            self.emit(heard, pieces);
         }
     }
 
-    fn tell(&mut self, time: Duration, pieces: Vec<Piece>) {
+    fn emit(&mut self, time: Duration, pieces: Vec<Piece>) {
         let at = time.as_secs_f64();
         for piece in pieces {
             let message = crate::event::Message::new(String::new(), piece);

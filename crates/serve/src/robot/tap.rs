@@ -44,7 +44,7 @@ impl Tap {
                 }
             }
             let pieces = self.decoder.feed(Some(from), bytes);
-            self.tell(pieces);
+            self.emit(pieces);
         }
     }
 
@@ -57,11 +57,11 @@ impl Tap {
                 *heard = None;
             }
             let pieces = self.decoder.idle(Some(from), silence, self.gap);
-            self.tell(pieces);
+            self.emit(pieces);
         }
     }
 
-    fn tell(&self, pieces: Vec<Piece>) {
+    fn emit(&self, pieces: Vec<Piece>) {
         for piece in pieces {
             let what = What::Message(Message::new(stamp(), piece));
             let event = Arc::new(Event::new(Arc::clone(self.robot.name()), what));

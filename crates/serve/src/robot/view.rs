@@ -37,10 +37,10 @@ impl View {
         self.state.record_error = self.robot.all.records.error();
         let state = Arc::new(self.state.clone());
         self.robot.state.send_replace(Arc::clone(&state));
-        self.tell(What::State(state));
+        self.emit(What::State(state));
     }
 
-    fn tell(&self, what: What) {
+    fn emit(&self, what: What) {
         self.robot.publish(Event::new(Arc::clone(self.robot.name()), what));
     }
 
@@ -111,7 +111,7 @@ impl View {
             // Who asked for it may not wait.
             let _ = ended.send(operation.clone());
         }
-        self.tell(What::Ended { time: stamp(), operation });
+        self.emit(What::Ended { time: stamp(), operation });
     }
 
     /// Looks at what may have been changed by others: who drives, and the geometry. Returns whether somebody does not
@@ -132,7 +132,7 @@ impl View {
         let client = |driver: &Option<Driver>| driver.as_ref().map(|driver| driver.client.clone());
         let is_abandoned = before.is_some() && driver.is_none();
         if client(&driver) != client(&before) {
-            self.tell(What::Driver { time: stamp(), driver });
+            self.emit(What::Driver { time: stamp(), driver });
         }
         is_abandoned
     }

@@ -63,7 +63,7 @@ pub(super) struct Board {
     release_at: Option<Duration>,
 }
 
-/// What a device tells without being asked.
+/// What a device reports without being asked.
 pub(super) struct Event {
     pub(super) id: &'static [u8],
     pub(super) name: &'static [u8],

@@ -53,7 +53,7 @@ impl Pty {
         settings.make_raw();
         tcsetattr(&fd, OptionalActions::Now, &settings)?;
         let path = PathBuf::from(ptsname(&fd, Vec::new())?.to_string_lossy().into_owned());
-        // Once opened and closed, it tells that nobody has it open; before, it does not.
+        // Once opened and closed, it reports that nobody has it open; before, it does not.
         drop(open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?);
         Ok((fd, path))
     }
