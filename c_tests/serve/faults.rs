@@ -78,9 +78,11 @@ fn a_thousand_connections_opened_and_dropped() {
         for half in halves.collect::<Vec<_>>() {
             drop(half);
         }
+        // Who drives reads what comes, else the server takes the connection for a dead one.
+        assert_eq!(driver.lease(), word);
         assert_eq!(server.get("/api/robots/lab")["driver"]["client"], "test");
     }
-    assert_eq!((robot.count(CANCEL), server.get("/api/robots/lab")["state"].clone()), (0, json!("moving")));
+    assert_eq!(robot.count(CANCEL), 0, "the move goes on, or has ended by itself");
     // Of all of them nothing is left but who drives.
     let files = || std::fs::read_dir(format!("/proc/{}/fd", server.child.id())).map_or(0, Iterator::count);
     found("files closed", || (files() < 100).then_some(()));
