@@ -261,7 +261,7 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 }
 
 /// Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
-/// the host is notified, by the number of the oldest move that has one. A host that had begun a session has to begin a new
+/// the host hears of it, by the number of the oldest move that has one. A host with a session has to begin a new
 /// one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
 /// wanted the stop, before this call: the position is reported then, and the velocity that is in force.
 ///
