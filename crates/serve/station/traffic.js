@@ -21,7 +21,15 @@ export class Traffic {
     this.scroll = by('traffic-scroll');
     this.above = spacer();
     this.below = spacer();
-    this.scroll.addEventListener('scroll', () => this.draw());
+    /** Whether the newest are shown as they come: until somebody scrolls away from them. */
+    this.following = true;
+    /** Where it was scrolled to when it was drawn. */
+    this.place = 0;
+    this.scroll.addEventListener('scroll', () => {
+      const { scrollTop, clientHeight, scrollHeight } = this.scroll;
+      if (Math.abs(scrollTop - this.place) > 1) this.following = scrollTop + clientHeight >= scrollHeight - 30;
+      this.draw();
+    });
     input('traffic-filter').addEventListener('input', () => this.search());
   }
 
@@ -56,7 +64,8 @@ export class Traffic {
       for (let number = this.ring.first; number < this.ring.next; number += 1) if (this.matches(this.ring.get(number))) this.found.push(number);
     }
     this.top = this.ring.first;
-    this.draw(true);
+    this.following = true;
+    this.draw();
   }
 
   drawSoon() {
@@ -68,9 +77,8 @@ export class Traffic {
     }, 250);
   }
 
-  /** @param {boolean} [toEnd] whether to show the newest ones, as it does where they are in sight */
-  draw(toEnd = this.scroll.scrollTop + this.scroll.clientHeight >= this.scroll.scrollHeight - 30) {
-    const { found, ring, scroll } = this;
+  draw() {
+    const { following, found, ring, scroll } = this;
     // What is no longer kept moves the others up; whoever reads them has them stand.
     const kept = found ? found.findIndex((number) => number >= ring.first) : ring.first - this.top;
     const gone = kept < 0 ? found?.length ?? 0 : kept;
@@ -79,7 +87,7 @@ export class Traffic {
     const count = found ? found.length : ring.length;
     const height = this.rows.children[1]?.getBoundingClientRect().height || 17;
     const shown = Math.ceil(scroll.clientHeight / height) + 2;
-    const begin = toEnd ? Math.max(0, count - shown) : Math.min(Math.max(0, Math.floor(scroll.scrollTop / height) - gone), Math.max(0, count - shown));
+    const begin = following ? Math.max(0, count - shown) : Math.min(Math.max(0, Math.floor(scroll.scrollTop / height) - gone), Math.max(0, count - shown));
     const end = Math.min(count, begin + shown);
     const rows = [];
     for (let row = begin; row < end; row += 1) {
@@ -91,8 +99,9 @@ export class Traffic {
     this.below.style.height = `${(count - end) * height}px`;
     this.rows.replaceChildren(this.above, ...rows, this.below);
     say(by('traffic-count'), found ? `${count} of the last ${ring.length}` : `${this.total} messages${this.total > ring.length ? `; the last ${ring.length} are kept` : ''}`);
-    if (toEnd) scroll.scrollTop = scroll.scrollHeight;
+    if (following) scroll.scrollTop = scroll.scrollHeight;
     else if (gone > 0) scroll.scrollTop -= gone * height;
+    this.place = scroll.scrollTop;
   }
 
   /** @param {boolean} paused */
