@@ -320,7 +320,8 @@ SEED    ?= $(shell date +%s)
 
 # Into a page that people read; what is on it is never typed.
 figures: lib firmware-all ## measures everything again and writes docs/figures.md
-	$(Q)c_tests/bench/figures.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE) >$(STAGE)/figures.md
+	$(Q)FIRMWARE_TARGETS='$(FIRMWARE_TARGETS)' \
+	    c_tests/bench/figures.sh $(OUT) $(STAGE)/bench $(DP_BUFSIZE) $(DP_DATA_MAX_SIZE) >$(STAGE)/figures.md
 	$(Q)mv $(STAGE)/figures.md docs/figures.md
 	@echo "figures: docs/figures.md is up to date"
 

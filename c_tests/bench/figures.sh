@@ -1,6 +1,6 @@
 #!/bin/sh
 # Prints sizes, speeds and coverage as one page of Markdown: figures.sh LIBDIR WORKDIR [BUFSIZE DATA_MAX]. Called by
-# `make figures`, which has built the library in LIBDIR and, below target/firmware, those for bare metal.
+# `make figures`, which has built the library in LIBDIR and, below target/firmware, those for FIRMWARE_TARGETS.
 set -eu
 work=$2
 here=$(dirname "$0")
@@ -36,8 +36,7 @@ cat <<END
 Bytes, with all that is called. \`make firmware-size\` prints the same for each function, and a whole sketch on AVR.
 
 END
-for target in "$here"/../../target/firmware/*/libdeltarobot.a; do
-    target=$(basename "$(dirname "$target")")
+for target in $FIRMWARE_TARGETS; do
     "$here/../../firmware/size.sh" "$target" "$here/../../target/firmware/$target"
 done | awk '
     $1 == "target" && done++ || $1 != "target" && $2 !~ /^(these|all|a|RAM:)$/ { next }
