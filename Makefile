@@ -115,9 +115,9 @@ endif
 # copy loops must not become calls of it. (`#![no_builtins]` would say so too, but keeps a crate out of the link-time
 # optimization that makes one piece of the C ABI and the core.)
 CDYLIB := $(if $(filter elf,$(SYSTEM)),$(filter yes,$(SHARED)))
-# Rust keeps a frame pointer in each function for Thumb, which takes three instructions of a short one, and no option
-# takes it away. This switch of LLVM's does, from the public functions.
-SHORT  := $(if $(filter thumb%,$(DP_TARGET)),-C llvm-args=-forceattrs-csv-path=$(GENERATED)/no_frame_pointers.csv)
+# Rust's targets for Thumb keep a frame pointer in each function, three instructions of a short one, which no option of
+# rustc's drops. This switch of LLVM's does, in the public functions.
+NO_FRAME_POINTERS := $(if $(filter thumb%,$(DP_TARGET)),-C llvm-args=-forceattrs-csv-path=$(GENERATED)/no_frame_pointers.csv)
 $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
 	+$(Q)DP_SIZES_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' \
@@ -125,7 +125,7 @@ $(STAGE)/cargo.a: FORCE
 	    --features panic-handler$(if $(SERIAL_EXPORTS),$(,)serial) \
 	    --crate-type staticlib$(if $(filter yes,$(CDYLIB)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
-	    -- $(SHORT) $(if $(CDYLIB),-C link-arg=-Wl$(,)-soname$(,)$(SONAME) -C link-arg=-nostdlib \
+	    -- $(NO_FRAME_POINTERS) $(if $(CDYLIB),-C link-arg=-Wl$(,)-soname$(,)$(SONAME) -C link-arg=-nostdlib \
 	    $(if $(CROSS_COMPILE),-C linker=$(CROSS_COMPILE)gcc))
 	$(Q)$(call renew,$(BUILT)/libdeltarobot.a,$@)
 ifeq ($(CDYLIB),yes)

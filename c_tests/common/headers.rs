@@ -105,7 +105,8 @@ fn every_cpp_standard_with_clang() {
     }
 }
 
-/// The library would write behind the ends of packed structs: whoever packs them by an option or a pragma gets an error.
+/// The library would write behind the ends of packed structs: packing by an option or a pragma does not
+/// compile.
 #[test]
 fn packed_structs_do_not_compile() {
     let library = Library::of(DEFAULT);

@@ -49,7 +49,8 @@ struct Robot {
     count: AtomicU64,
     /// When each report was sent, in nanoseconds since the beginning.
     sent: Vec<AtomicU64>,
-    /// When it was cancelled first since this was 0: it may be asked again, to be sure that the answer is not an old one.
+    /// When it was cancelled first since this was 0: it may be asked again, to be sure that the answer is not an old
+    /// one.
     cancelled: AtomicU64,
 }
 

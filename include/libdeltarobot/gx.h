@@ -327,8 +327,8 @@ int gx_check(const struct gx_vector *target, int number);
 int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 
 /**
- * Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither is
- * known, as after an error notice.
+ * Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither
+ * is known, as after an error notice.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
  *

@@ -36,8 +36,8 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
     }
 }
 
-/// Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither is
-/// known, as after an error notice.
+/// Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither
+/// is known, as after an error notice.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
 ///

@@ -53,7 +53,7 @@ pub mod words;
 pub use operation::driver::session_settings;
 pub use protocol::{Protocol, Spoken};
 pub use record::size;
-pub use signals::Signals;
+pub use signals::{Signals, bear_size_limits};
 pub use source::CHUNK;
 
 use std::ffi::OsString;

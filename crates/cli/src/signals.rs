@@ -1,10 +1,11 @@
 //! Ctrl-C and its kin.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::status::Failure;
-use crate::system::catch_signals;
+use crate::system;
 
 /// Whether the program was asked to end. Waiting, which a signal cuts short on Unix, has to look here.
 pub struct Signals(Arc<AtomicBool>);
@@ -13,7 +14,7 @@ impl Signals {
     /// From now on signals are noted instead of ending the program.
     pub fn catch() -> Result<Self, Failure> {
         let flag = Arc::default();
-        catch_signals(&flag).map_err(|error| Failure::of_file("signals", &error))?;
+        system::catch_signals(&flag).map_err(|error| failure(&error))?;
         Ok(Self(flag))
     }
 
@@ -26,4 +27,13 @@ impl Signals {
     pub(crate) fn came(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)
     }
+}
+
+/// A limit on the size of files is a full disk: writing fails, which says so.
+pub fn bear_size_limits() -> Result<(), Failure> {
+    system::bear_size_limits().map_err(|error| failure(&error))
+}
+
+fn failure(error: &io::Error) -> Failure {
+    Failure::of_file("signals", error)
 }

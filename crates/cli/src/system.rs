@@ -19,10 +19,10 @@ use unix as host;
 use windows as host;
 
 pub(crate) use host::{
-    Handle, Line, become_program, catch_signals, has_escapes, is_abandoned, is_device, is_direct, is_gone, is_program,
-    pseudo_terminal, tapped_device,
+    Handle, Line, bear_size_limits, become_program, catch_signals, has_escapes, is_abandoned, is_device, is_direct,
+    is_gone, is_program, pseudo_terminal, tapped_device,
 };
-pub use host::{Wake, bear_size_limits, everybody_reads, input, more_files, wakes};
+pub use host::{Wake, everybody_reads, input, more_files, wakes};
 
 /// Standard input, a pipe or a file, which is read when something has come.
 pub struct Stream(host::Pollable);

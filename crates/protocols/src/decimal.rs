@@ -28,8 +28,8 @@ struct Digits<'a> {
     more: bool,
 }
 
-/// Room for digits, all zero. The compiler does not know so, nor that they are bytes: of `[0_u8; SIZE]` it would make a call
-/// of memset or memcpy, which nobody may have.
+/// Room for digits, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or
+/// memcpy, and firmware may have neither.
 #[inline(always)]
 fn zeros() -> [u16; SIZE / 2] {
     [black_box(0); SIZE / 2]

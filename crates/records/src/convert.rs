@@ -16,8 +16,8 @@ use clap::Parser;
 use deltarobot_cli::port::positive_seconds;
 use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
-use deltarobot_cli::system::{bear_size_limits, input};
-use deltarobot_cli::{Signals, Spoken, size};
+use deltarobot_cli::system::input;
+use deltarobot_cli::{Signals, Spoken, bear_size_limits, size};
 use same_file::Handle;
 
 use crate::rotation::Limits;
@@ -83,11 +83,7 @@ pub fn main() -> ExitCode {
 }
 
 fn convert(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.to_end {
-        Signals::catch()?;
-    } else {
-        bear_size_limits().map_err(|error| Failure::of_file("signals", &error))?;
-    }
+    if arguments.to_end { Signals::catch().map(drop) } else { bear_size_limits() }?;
     let from = Arguments::format_of("--from", arguments.from, &arguments.input)?;
     let to = Arguments::format_of("--to", arguments.to, &arguments.output)?;
     if to != Format::Mcap && (arguments.rotate.is_some() || arguments.rotate_after.is_some()) {

@@ -41,9 +41,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use clap::Parser;
+use deltarobot_cli::bear_size_limits;
 use deltarobot_cli::screen::complain;
 use deltarobot_cli::status::{Failure, Status};
-use deltarobot_cli::system::{bear_size_limits, more_files};
+use deltarobot_cli::system::more_files;
 use tokio::runtime::Runtime;
 
 use api::App;
@@ -128,7 +129,7 @@ fn run(arguments: Arguments) -> Result<Status, Failure> {
 fn serve(mut config: Config, keep_moving: bool, listening: impl FnOnce(&str)) -> Result<Status, Failure> {
     // A thousand connections.
     more_files();
-    bear_size_limits().map_err(|error| Failure::of_file("signals", &error))?;
+    bear_size_limits()?;
     let listener = listen(config.listen)?;
     let raw: Vec<_> =
         config.raw.iter().map(|(name, address)| Ok((name, listen(*address)?))).collect::<Result<_, Failure>>()?;

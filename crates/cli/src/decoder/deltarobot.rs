@@ -38,7 +38,7 @@ impl Decoder for Frames {
             lane.search(true, &mut found);
         }
         if silence >= QUIET.min(gap) {
-            lane.tell_garbage(&mut found);
+            lane.emit_garbage(&mut found);
         }
         found.iter().map(|found| found.piece(from)).collect()
     }
@@ -98,7 +98,7 @@ impl Lane {
         self.waiting.extend_from_slice(input);
         self.search(false, &mut found);
         if self.garbage.len() >= GARBAGE_MAX {
-            self.tell_garbage(&mut found);
+            self.emit_garbage(&mut found);
         }
         found
     }
@@ -117,7 +117,7 @@ impl Lane {
                 Verdict::Frame { opcode, length } => {
                     let (frame, behind) = rest.split_at(length + FRAME_OVERHEAD);
                     let payload = frame.get(FRAME_HEAD..FRAME_HEAD + length).unwrap_or_default().to_vec();
-                    self.tell_garbage(found);
+                    self.emit_garbage(found);
                     found.push(Found::Frame { opcode, payload, bytes: frame.to_vec() });
                     rest = behind;
                 }
@@ -126,7 +126,7 @@ impl Lane {
         self.waiting.extend_from_slice(rest);
     }
 
-    fn tell_garbage(&mut self, found: &mut Vec<Found>) {
+    fn emit_garbage(&mut self, found: &mut Vec<Found>) {
         if !self.garbage.is_empty() {
             found.push(Found::Garbage { bytes: std::mem::take(&mut self.garbage) });
         }
@@ -173,7 +173,7 @@ mod tests {
         let idle = |lane: &mut Lane| {
             let mut found = Vec::new();
             lane.search(true, &mut found);
-            lane.tell_garbage(&mut found);
+            lane.emit_garbage(&mut found);
             found
         };
         assert_eq!(lane.feed(b"xy$S\0"), []);

@@ -39,7 +39,7 @@ impl Decoder for Items {
         for byte in bytes {
             lane.take(from, *byte, &mut found);
             if lane.garbage.len() >= GARBAGE_MAX {
-                lane.tell_garbage(from, &mut found);
+                lane.emit_garbage(from, &mut found);
             }
         }
         found
@@ -188,7 +188,7 @@ impl Lane {
         if item.is_some() {
             self.emit(from, item, found);
         } else if byte == ESC {
-            self.tell_garbage(from, found);
+            self.emit_garbage(from, found);
             let json = json!({ "kind": "clear", "bytes": hex(&self.bytes) });
             found.push(Piece::new(from, Kind::Message("clear".into()), "clear".into(), json));
             self.bytes.clear();
@@ -213,7 +213,7 @@ impl Lane {
             let item = self.reader.idle();
             self.emit(from, item, found);
         }
-        self.tell_garbage(from, found);
+        self.emit_garbage(from, found);
     }
 
     /// Emits what the bytes until here are.
@@ -226,12 +226,12 @@ impl Lane {
             self.is_skipping = true;
             return;
         }
-        self.tell_garbage(from, found);
+        self.emit_garbage(from, found);
         self.is_skipping = false;
         found.push(piece(self.reader.side(), &item, &bytes));
     }
 
-    fn tell_garbage(&mut self, from: Option<Side>, found: &mut Vec<Piece>) {
+    fn emit_garbage(&mut self, from: Option<Side>, found: &mut Vec<Piece>) {
         if self.garbage.is_empty() {
             return;
         }

@@ -13,7 +13,7 @@ use crate::screen::{Screen, complain};
 use crate::status::{Failure, Status, system_text};
 use crate::words;
 
-/// Reports to the user. What becomes of standard output changes nothing about what the robot does, or how the program ends.
+/// Reports to the user. What becomes of standard output changes neither what the robot does nor how the program ends.
 pub(crate) struct Reporter {
     /// `None`: nothing is said.
     screen: Option<Screen>,

@@ -1,4 +1,5 @@
-//! The machine: its geometry, and what its arms can do. In TOML, with lengths in one unit (metres, for `deltarobot path`):
+//! The machine: its geometry, and what its arms can do. In TOML, lengths in one unit, which is metres for
+//! `deltarobot path`:
 //!
 //! ```toml
 //! joints = [[0.12, 0.0, 0.10], [0.38, 0.0, 0.25], [0.12, 0.0, 0.40]] # where legs 1, 2 and 3 are joined to the base
@@ -8,7 +9,7 @@
 //! [[arms]]                  # A, of leg 1; B of leg 2 and C of leg 3 follow
 //! scale = 0.001             # how much longer a unit of displacement makes its leg; 1 by default
 //! offset = 0.2              # how long its leg is at displacement 0; 0 by default
-//! min = 0                   # the least and the largest displacement, which paths need; -inf and inf where there is none
+//! min = 0                   # the least and the largest displacement, which paths need; -inf and inf: there is none
 //! max = 600
 //! ```
 //!

@@ -33,8 +33,8 @@ use crate::wait::wait_for;
 /// What ends a program that does not care. Some devices and links have to be removed, whichever it is.
 const ENDING: [c_int; 10] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGXCPU];
 
-/// Has signals set the flag instead of ending the program, but for those that whoever started it had ignored: as `nohup`
-/// does with SIGHUP, and shells with SIGINT where a script runs something in the background.
+/// Has signals set the flag instead of ending the program, but for those that whoever started it had ignored: as
+/// `nohup` does with SIGHUP, and shells with SIGINT where a script runs something in the background.
 pub(crate) fn catch_signals(flag: &Arc<AtomicBool>) -> io::Result<()> {
     for signal in ENDING.into_iter().filter(|signal| !is_ignored(*signal)) {
         signal_hook::flag::register(signal, Arc::clone(flag))?;
@@ -42,8 +42,8 @@ pub(crate) fn catch_signals(flag: &Arc<AtomicBool>) -> io::Result<()> {
     bear_size_limits()
 }
 
-/// A limit on the size of files is a full disk: writing fails, which says so.
-pub fn bear_size_limits() -> io::Result<()> {
+/// Has writing beyond the limit on a file's size fail instead of ending the program.
+pub(crate) fn bear_size_limits() -> io::Result<()> {
     signal_hook::flag::register(SIGXFSZ, Arc::default()).map(drop)
 }
 

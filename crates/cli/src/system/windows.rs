@@ -50,7 +50,7 @@ pub(crate) fn catch_signals(flag: &Arc<AtomicBool>) -> io::Result<()> {
 }
 
 /// There are no such limits.
-pub const fn bear_size_limits() -> io::Result<()> {
+pub(crate) const fn bear_size_limits() -> io::Result<()> {
     Ok(())
 }
 

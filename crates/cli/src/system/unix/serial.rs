@@ -20,8 +20,8 @@ use crate::port::{AtClose, Cause, PortOptions};
 pub(crate) struct Line(SerialPort);
 
 impl Line {
-    /// Opens a device and sets it to 8 data bits, no parity, one stop bit, no flow control. Nothing is changed about one
-    /// that is in use. What it received before is thrown away.
+    /// Opens a device and sets it to 8 data bits, no parity, one stop bit, no flow control. Nothing is changed about
+    /// one that is in use. What it received before is thrown away.
     pub(crate) fn open(path: &Path, options: &PortOptions) -> Result<Self, Cause> {
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let fd = open(path, flags, Mode::empty()).map_err(|error| match error {
@@ -100,11 +100,11 @@ fn set(port: &SerialPort, mut settings: Termios, options: &PortOptions) -> Resul
     if taken.control_modes & lines != settings.control_modes & lines || !is_near {
         return Err(Cause::NotTaken(baud));
     }
-    for (name, level, result) in [
-        ("DTR", options.dtr, options.dtr.map(|level| port.set_dtr(level.is_on()))),
-        ("RTS", options.rts, options.rts.map(|level| port.set_rts(level.is_on()))),
+    for (name, result) in [
+        ("DTR", options.dtr.map(|level| port.set_dtr(level.is_on()))),
+        ("RTS", options.rts.map(|level| port.set_rts(level.is_on()))),
     ] {
-        if level.is_some() && result.is_some_and(|result| result.is_err()) {
+        if result.is_some_and(|result| result.is_err()) {
             return Err(Cause::NoLine(name));
         }
     }

@@ -1,4 +1,5 @@
-//! Where a tap says which device it stands before, so that a program that uses it can reach that when the tap goes away.
+//! Where a tap says which device it stands before, so that a program that uses it can reach that when the tap goes
+//! away.
 
 use std::env;
 use std::fs::{self, File, OpenOptions};

@@ -22,8 +22,8 @@ const OVERLAPPED: u32 = 0x4000_0000;
 const ERROR_ACCESS_DENIED: i32 = 5;
 const ERROR_SHARING_VIOLATION: i32 = 32;
 
-/// In milliseconds. Reading ends with a pause of a millisecond, or after so many, which is as long as closing the port may take. (The
-/// combination of timeouts that ends it with the first byte is not known in wine.)
+/// In milliseconds. Reading ends with a pause of a millisecond, or after so many, which is as long as closing the port
+/// may take. (The combination of timeouts that ends it with the first byte is not known in wine.)
 const TIMEOUTS: CommTimeouts = CommTimeouts {
     read_interval_timeout: 1,
     read_total_timeout_multiplier: 0,

@@ -19,8 +19,8 @@ pub(super) fn pair() -> io::Result<(TcpStream, TcpStream)> {
     }
 }
 
-/// Has a thread write what it reads to a socket, until there is no more, an error, or nobody at its other end. `None` is
-/// for nothing yet.
+/// Has a thread write what it reads to a socket, until there is no more, an error, or nobody at its other end. `None`
+/// is for nothing yet.
 pub(super) fn pass_on(
     name: &str,
     mut far: TcpStream,

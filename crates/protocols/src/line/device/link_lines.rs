@@ -22,8 +22,8 @@ pub enum LinkLine<'a> {
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// Writes such a line and returns its length, 0 when there is none to be sent.
-    // The room lies in its caller's frame, and on AVR what lies behind the first 64 bytes of one takes five instructions
-    // to reach.
+    // The room lies in its caller's frame, and on AVR what lies behind the first 64 bytes of one takes five
+    // instructions to reach.
     #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn write(&mut self, line: LinkLine<'_>, id: &[u8], room: &mut [u8]) -> usize {
         let next = Some(self.next);
