@@ -1,16 +1,16 @@
 //! A pseudo-terminal: a device that this program plays.
 
-use std::fs;
-use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::ffi::OsStr;
+use std::os::fd::{AsFd, BorrowedFd, FromRawFd, OwnedFd};
+use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::Duration;
+use std::{fs, io, ptr, thread};
 
 use rustix::event::PollFlags;
-use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
+use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::io::{Errno, FdFlags, fcntl_setfd};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use super::tap::Note;
@@ -33,7 +33,7 @@ struct Pty {
 
 impl Pty {
     fn new(link: Option<&Path>, tapped: Option<&Path>) -> Result<Self, Failure> {
-        let (fd, path) = Self::open().map_err(|error| Failure::of_file("no pseudo-terminal", &error.into()))?;
+        let (fd, path) = Self::open().map_err(|error| Failure::of_file("no pseudo-terminal", &error))?;
         if let Some(link) = link {
             make_link(&path, link)?;
         }
@@ -41,21 +41,26 @@ impl Pty {
         Ok(Self { fd, path, link: link.map(Path::to_owned), _note: note })
     }
 
-    fn open() -> Result<(OwnedFd, PathBuf), Errno> {
-        let fd = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
-        // (Not all systems do that when it is opened.)
+    #[expect(unsafe_code, reason = "rustix has no name of a pseudo-terminal in NetBSD")]
+    fn open() -> io::Result<(OwnedFd, PathBuf)> {
+        let (mut fd, mut device, mut name) = (-1, -1, [0_u8; libc::PATH_MAX as usize]);
+        let (settings, size, path) = (ptr::null_mut(), ptr::null_mut(), name.as_mut_ptr().cast());
+        // SAFETY: it writes two numbers and a path, for which there is room; without settings and size it sets none.
+        if unsafe { libc::openpty(&raw mut fd, &raw mut device, path, settings, size) } != 0 {
+            return Err(io::Error::last_os_error());
+        }
+        // SAFETY: both are open, and nobody else knows them.
+        let (fd, device) = unsafe { (OwnedFd::from_raw_fd(fd), OwnedFd::from_raw_fd(device)) };
         fcntl_setfd(&fd, FdFlags::CLOEXEC)?;
-        grantpt(&fd)?;
-        unlockpt(&fd)?;
+        fcntl_setfd(&device, FdFlags::CLOEXEC)?;
         fcntl_setfl(&fd, OFlags::RDWR | OFlags::NONBLOCK)?;
         // Nothing is echoed, even before a program has set the device.
-        let mut settings = tcgetattr(&fd)?;
+        let mut settings = tcgetattr(&device)?;
         settings.make_raw();
-        tcsetattr(&fd, OptionalActions::Now, &settings)?;
-        let path = PathBuf::from(ptsname(&fd, Vec::new())?.to_string_lossy().into_owned());
-        // Once opened and closed, it reports that nobody has it open; before, it does not.
-        drop(open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?);
-        Ok((fd, path))
+        tcsetattr(&device, OptionalActions::Now, &settings)?;
+        let name = name.split(|&byte| byte == 0).next().unwrap_or_default();
+        // Now that the device is closed, the other end reports that nobody has it open.
+        Ok((fd, OsStr::from_bytes(name).into()))
     }
 
     fn wait(&self, time: Duration) -> Result<PollFlags, Failure> {
