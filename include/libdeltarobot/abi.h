@@ -58,11 +58,11 @@
  * Structs that #pragma pack or -fpack-struct packs are not those of the library, which would write behind their ends:
  * so a header that is included like that does not compile. Nothing is aligned more than a pointer is.
  */
-#if defined(__GNUC__) || defined(__clang__)
+#if defined(__GNUC__) || defined(__clang__) || defined(_MSC_VER)
 #define LIBDELTAROBOT_NOT_PACKED(header) \
     struct libdeltarobot_packing_of_##header { char first; void *second; }; \
     typedef char libdeltarobot_structs_must_not_be_packed_in_##header \
-        [sizeof(struct libdeltarobot_packing_of_##header) == sizeof(void *) + __alignof__(void *) ? 1 : -1]
+        [sizeof(struct libdeltarobot_packing_of_##header) == sizeof(void *) + __alignof(void *) ? 1 : -1]
 #else
 #define LIBDELTAROBOT_NOT_PACKED(header) struct libdeltarobot_packing_of_##header
 #endif
