@@ -1,11 +1,14 @@
 //! Summing, copying and finding bytes: the place where code differs between targets (the values of GX do too, see
-//! `gx/receiver/binary.rs`). On hosts blocks of bytes are taken at a time, elsewhere one byte; `--cfg small_leaves` has
-//! hosts do that too, for tests.
+//! `gx/receiver/binary.rs`). On hosts blocks of bytes are taken at a time, elsewhere one byte (some copy four);
+//! `--cfg small_leaves` has hosts do that too, for tests.
 //!
 //! The standard copies become calls of memcpy, which the library does without.
 
 /// Whether blocks are taken at a time.
 pub const WIDE: bool = cfg!(all(target_pointer_width = "64", not(small_leaves)));
+
+/// Whether copies take four bytes at a time: on 32-bit Arm that loads them from any address, as all with atomics do.
+const HALVES: bool = cfg!(any(small_leaves, all(target_arch = "arm", target_has_atomic = "32")));
 
 /// Bytes taken at a time where there are so many, and where there are fewer.
 pub(crate) const BLOCK: usize = 16;
@@ -233,6 +236,15 @@ pub fn copy<T>(from: &[u8], to: &mut [T], item: impl Fn(u8) -> T + Copy) {
         if from.len() >= HALF {
             return copy_ends::<HALF, T>(from, to, item);
         }
+    }
+    if HALVES {
+        let ((halves, rest), (places, behind)) = (from.as_chunks::<HALF>(), to.as_chunks_mut::<HALF>());
+        for (place, half) in places.iter_mut().zip(halves) {
+            // Not by map, which becomes a loop.
+            let [first, second, third, fourth] = *half;
+            *place = [item(first), item(second), item(third), item(fourth)];
+        }
+        (from, to) = (rest, behind);
     }
     for (place, byte) in to.iter_mut().zip(from) {
         *place = item(*byte);

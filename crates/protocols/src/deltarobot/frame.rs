@@ -94,10 +94,10 @@ pub fn judge_head<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
     // Bytes that are not there yet may be anything: what is wrong with them is no fault, and when nothing is, there are
     // too few to decide.
     let have = bytes.len();
+    if bytes.byte(0) != FRAME_START {
+        return if have > 0 { Verdict::Fault(Fault::Start) } else { Verdict::Needs(FRAME_OVERHEAD) };
+    }
     let (place, fault) = 'fault: {
-        if bytes.byte(0) != FRAME_START {
-            break 'fault (0, Fault::Start);
-        }
         let opcode = Opcode(bytes.byte(1));
         if !opcode.is_known() {
             break 'fault (1, Fault::Opcode);

@@ -305,8 +305,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// The frame that was found in the buffer.
     #[inline(always)]
     fn frame(&self, (opcode, begin, length): Found) -> Result<Frame<'_>, NoFrame> {
-        let behind = self.buffer.get(begin..).ok_or(NoFrame::Waiting)?;
-        let payload = behind.get(..length).ok_or(NoFrame::Waiting)?;
+        let payload = self.buffer.get(begin..begin.wrapping_add(length)).ok_or(NoFrame::Waiting)?;
         Ok(Frame { opcode, payload })
     }
 
