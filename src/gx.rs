@@ -1,6 +1,7 @@
 //! `libdeltarobot/gx.h`: commands and notices of the GX binary vector protocol.
 
 use core::ffi::{c_int, c_uchar, c_ulong, c_void};
+use core::mem::offset_of;
 
 use super::memory::{bytes_of, int, room_of};
 use super::state::{Room, state};
@@ -194,20 +195,26 @@ const _: () = {
     assert!(GX_CONTROL_QUERY == Control::Query as c_int && GX_CONTROL_HOLD == Control::Hold as c_int);
     assert!(GX_CONTROL_RESUME == Control::Resume as c_int && GX_CONTROL_STOP == Control::Stop as c_int);
     assert!(GX_FAULT_SILENT == Fault::Silent as c_int);
+    assert!(size_of::<Vector>() == size_of::<gx::Vector>() && align_of::<Vector>() == align_of::<gx::Vector>());
+    assert!(offset_of!(Vector, velocity) == offset_of!(gx::Vector, velocity));
+    assert!(offset_of!(Vector, mask) == offset_of!(gx::Vector, mask));
+    assert!(offset_of!(Vector, axes) == offset_of!(gx::Vector, axes));
 };
 
 impl Vector {
-    pub(super) fn to_core(self) -> gx::Vector {
-        gx::Vector { velocity: self.velocity, mask: self.mask, axes: self.axes }
+    /// As the core has it.
+    pub(super) const fn core(&self) -> &gx::Vector {
+        // SAFETY: the fields are the same and, as is asserted above, lie at the same places.
+        unsafe { &*core::ptr::from_ref(self).cast() }
+    }
+
+    pub(super) const fn core_mut(&mut self) -> &mut gx::Vector {
+        // SAFETY: as in core().
+        unsafe { &mut *core::ptr::from_mut(self).cast() }
     }
 
     pub(super) fn set(&mut self, from: &gx::Vector) {
-        self.velocity = from.velocity;
-        self.mask = from.mask;
-        // Field by field, which never becomes a call of memcpy.
-        for (place, value) in self.axes.iter_mut().zip(&from.axes) {
-            *place = *value;
-        }
+        self.core_mut().copy(from);
     }
 }
 
@@ -407,13 +414,11 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
     if !matches!(item.kind, GX_MOVE | GX_STEP | GX_POSITION) {
         return GX_RC_SUCCESS;
     }
-    let mut reached = position.to_core();
-    match reached.follow(&item.vector.to_core(), item.kind == GX_STEP) {
-        Ok(()) => position.set(&reached),
-        Err(Lost::Range) => return GX_RC_RANGE,
-        Err(Lost::Unknown) => return GX_RC_NOT_FOUND,
+    match position.core_mut().follow(item.vector.core(), item.kind == GX_STEP) {
+        Ok(()) => GX_RC_SUCCESS,
+        Err(Lost::Range) => GX_RC_RANGE,
+        Err(Lost::Unknown) => GX_RC_NOT_FOUND,
     }
-    GX_RC_SUCCESS
 }
 
 /// The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
@@ -430,7 +435,7 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
 pub unsafe extern "C" fn gx_check(target: *const Vector, number: c_int) -> c_int {
     // SAFETY: target is NULL or valid.
     match (unsafe { target.as_ref() }, u16::try_from(number)) {
-        (Some(target), Ok(number)) if number <= gx::NUMBER_MAX => target.to_core().check(target.mask, number).into(),
+        (Some(target), Ok(number)) if number <= gx::NUMBER_MAX => target.core().check(target.mask, number).into(),
         _ => -GX_RC_ERROR_GENERIC,
     }
 }

@@ -38,8 +38,8 @@ use super::memory::{bytes_of, duration, int, long, time};
 use super::state::{Room, state};
 use crate::sizes::GX_QUEUE_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::gx::motion::{self, Event};
-use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Number};
+use deltarobot_protocols::gx::motion::{self, EventKind};
+use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Numbered};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
 pub const GX_MOTION_QUEUED: c_int = 1;
@@ -60,6 +60,13 @@ pub const GX_MOTION_RESUME: c_int = 7;
 /// (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
 /// also if it does already.
 pub const GX_MOTION_STOP: c_int = 8;
+
+const _: () = {
+    assert!(GX_MOTION_QUEUED == EventKind::Queued as c_int && GX_MOTION_REPEATED == EventKind::Repeated as c_int);
+    assert!(GX_MOTION_REFUSED == EventKind::Refused as c_int && GX_MOTION_BEGUN == EventKind::Begun as c_int);
+    assert!(GX_MOTION_REPORTING == EventKind::Reporting as c_int && GX_MOTION_HOLD == EventKind::Hold as c_int);
+    assert!(GX_MOTION_RESUME == EventKind::Resume as c_int && GX_MOTION_STOP == EventKind::Stop as c_int);
+};
 
 /// Something that happened.
 #[derive(Debug)]
@@ -207,7 +214,12 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
         return GX_RC_NO_EVENT;
     };
     // SAFETY: event is not NULL, and does not overlap with motion.
-    unsafe { write_event(event, happened) };
+    unsafe {
+        (*event).kind = happened.kind as c_int;
+        (*event).number = number_of(happened.number);
+        (*event).code = happened.code.into();
+        (*event).period = int(happened.period.into());
+    }
     GX_RC_SUCCESS
 }
 
@@ -386,29 +398,6 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mu
     GX_RC_SUCCESS
 }
 
-/// # Safety
-///
-/// event points to writable memory of its type.
-unsafe fn write_event(event: *mut MotionEvent, happened: Event) {
-    let (kind, number, code, period) = match happened {
-        Event::Queued(number) => (GX_MOTION_QUEUED, number, 0, 0),
-        Event::Repeated(number) => (GX_MOTION_REPEATED, number, 0, 0),
-        Event::Refused(number, code) => (GX_MOTION_REFUSED, number, code, 0),
-        Event::Begun(number) => (GX_MOTION_BEGUN, number, 0, 0),
-        Event::Reporting(period) => (GX_MOTION_REPORTING, None, 0, period),
-        Event::Hold => (GX_MOTION_HOLD, None, 0, 0),
-        Event::Resume => (GX_MOTION_RESUME, None, 0, 0),
-        Event::Stop(code) => (GX_MOTION_STOP, None, code, 0),
-    };
-    // SAFETY: the same contract.
-    unsafe {
-        (*event).kind = kind;
-        (*event).number = number_of(number);
-        (*event).code = code.into();
-        (*event).period = int(period.into());
-    }
-}
-
-fn number_of(number: Option<Number>) -> c_int {
-    number.map_or(-1, |number| int(number.value.into()))
+fn number_of(number: Numbered) -> c_int {
+    if number.is_some() { int(number.value().into()) } else { -1 }
 }

@@ -49,7 +49,7 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
 pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const Vector) -> c_int {
     // SAFETY: two objects that do not overlap, or NULL.
     match unsafe { (Room::get(contour), start.as_ref()) } {
-        (Some(contour), Some(start)) => contour.starts_at(&start.to_core()),
+        (Some(contour), Some(start)) => contour.starts_at(start.core()),
         (Some(contour), None) => contour.forget(),
         _ => return GX_RC_ERROR_GENERIC,
     }

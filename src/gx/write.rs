@@ -34,7 +34,7 @@ pub unsafe extern "C" fn gx_write_move(
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
         let target = vector_of(target);
-        write(number, buf, cap, |number, room| write_move(format_of(format)?, number, &target?, room))
+        write(number, buf, cap, |number, room| write_move(format_of(format)?, number, target?, room))
     }
 }
 
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn gx_write_step(
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
         let deltas = vector_of(deltas);
-        write(number, buf, cap, |number, room| write_step(number, &deltas?, room))
+        write(number, buf, cap, |number, room| write_step(number, deltas?, room))
     }
 }
 
@@ -82,8 +82,9 @@ pub unsafe extern "C" fn gx_write_shortest(
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        let (target, from) = (vector_of(target), vector_of(from).unwrap_or_default());
-        write(number, buf, cap, |number, room| write_shortest(number, &target?, &from, room))
+        let unknown = gx::Vector::new();
+        let (target, from) = (vector_of(target), vector_of(from).unwrap_or(&unknown));
+        write(number, buf, cap, |number, room| write_shortest(number, target?, from, room))
     }
 }
 
@@ -171,7 +172,7 @@ pub unsafe extern "C" fn gx_write_position(
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
         let position = vector_of(position);
-        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, &position?, room))
+        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, position?, room))
     }
 }
 
@@ -257,10 +258,10 @@ fn format_of(format: c_int) -> Result<Format, EncodeError> {
 ///
 /// # Safety
 ///
-/// vector is NULL or points to a vector.
-unsafe fn vector_of(vector: *const Vector) -> Result<gx::Vector, EncodeError> {
+/// vector is NULL or points to a vector that nobody writes while the reference lives.
+unsafe fn vector_of<'a>(vector: *const Vector) -> Result<&'a gx::Vector, EncodeError> {
     // SAFETY: the same contract.
-    unsafe { vector.as_ref() }.map(|vector| vector.to_core()).ok_or(EncodeError::Empty)
+    unsafe { vector.as_ref() }.map(Vector::core).ok_or(EncodeError::Empty)
 }
 
 /// Calls a function of the core's that writes something with a number, and makes its answer an int.

@@ -12,6 +12,7 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// How much of `span` is left at `now` when it began at `since`; 0 when it is over.
 #[must_use]
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn left(now: u32, since: u32, span: u32) -> u32 {
     span.saturating_sub(now.wrapping_sub(since))
 }
@@ -19,6 +20,7 @@ pub const fn left(now: u32, since: u32, span: u32) -> u32 {
 /// The duration that a setting stands for, where 0 is the default. At most half of what wraps, so that its end is
 /// noticed.
 #[must_use]
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn span(setting: u32, default: u32) -> u32 {
     match setting {
         0 => default,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use deltarobot_protocols::gx::motion::{Event, Motion, Settings};
+use deltarobot_protocols::gx::motion::{EventKind, Motion, Settings};
 use deltarobot_protocols::gx::{AXES, ENCODED_MAX, Fault, POSITION_MAX, Vector};
 
 use super::{Machine, above_zero, milliseconds};
@@ -67,10 +67,10 @@ impl Axes {
         let now = milliseconds(now);
         // What else happened, the moves themselves show.
         while let Some(event) = self.motion.poll(now) {
-            match event {
-                Event::Hold => self.is_held = true,
-                Event::Resume => self.is_held = false,
-                Event::Stop(_) => {
+            match event.kind {
+                EventKind::Hold => self.is_held = true,
+                EventKind::Resume => self.is_held = false,
+                EventKind::Stop => {
                     self.machine.halt();
                     self.is_held = false;
                     self.motion.set_position(&self.machine.position());

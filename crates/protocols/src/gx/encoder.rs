@@ -101,7 +101,7 @@ pub fn write_reporting(
 /// The notice that the command with this number was carried out.
 pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeError> {
     let mut out = Out::numbered(Some(number), room)?;
-    out.end_number(Some(number).into());
+    out.end(number.format);
     out.length()
 }
 
@@ -112,7 +112,8 @@ pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeE
 /// that command.
 pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mut [u8]) -> Result<usize, EncodeError> {
     in_range(code <= CODE_MAX)?;
-    let mut out = Out::numbered(number, room)?;
+    in_number_range(number)?;
+    let mut out = Out::new(room);
     out.refusal(number.into(), code, format);
     out.length()
 }
@@ -169,6 +170,10 @@ pub(super) fn check(vector: &Vector, is_step: bool) -> Result<(), EncodeError> {
     if vector.mask == 0 { Err(EncodeError::Empty) } else { Ok(()) }
 }
 
+fn in_number_range(number: Option<Number>) -> Result<(), EncodeError> {
+    in_range(number.is_none_or(|number| number.value <= NUMBER_MAX))
+}
+
 const fn in_range(fits: bool) -> Result<(), EncodeError> {
     if fits { Ok(()) } else { Err(EncodeError::Range) }
 }
@@ -187,7 +192,7 @@ impl<'a> Out<'a> {
 
     /// With the number that comes first, if any.
     fn numbered(number: Option<Number>, room: &'a mut [u8]) -> Result<Self, EncodeError> {
-        in_range(number.is_none_or(|number| number.value <= NUMBER_MAX))?;
+        in_number_range(number)?;
         let mut out = Self::new(room);
         out.number(number.into());
         Ok(out)
@@ -211,13 +216,18 @@ impl<'a> Out<'a> {
         }
     }
 
-    pub(super) fn number(&mut self, number: Numbered) {
+    fn number(&mut self, number: Numbered) {
         if number.is_some() {
             self.byte(b'#');
-            match number.format() {
-                Format::Binary => self.groups(number.value().into(), 2),
-                Format::Ascii => self.decimal(number.value().into()),
-            }
+            self.value(number.value(), 2, number.format());
+        }
+    }
+
+    /// A value as digits, or in so many groups.
+    fn value(&mut self, value: u16, count: u8, format: Format) {
+        match format {
+            Format::Binary => self.groups(value.into(), count),
+            Format::Ascii => self.decimal(value.into()),
         }
     }
 
@@ -250,46 +260,33 @@ impl<'a> Out<'a> {
             }
             self.decimal(value.unsigned_abs());
         }
-        if !is_binary {
+        self.end(format);
+    }
+
+    /// The end of what is written in that format.
+    fn end(&mut self, format: Format) {
+        if format == Format::Ascii {
             self.byte(b'\n');
         }
     }
 
-    /// The end of a completion behind its number.
-    pub(super) fn end_number(&mut self, number: Numbered) {
-        if number.format() == Format::Ascii {
-            self.byte(b'\n');
-        }
-    }
-
-    /// The code of an error notice behind its number, if it has one. If not, it begins with a line end: behind a packed
+    /// The error notice to a command with this number, if it had one. If not, it begins with a line end: behind a packed
     /// number of the notice before, it would be about that command.
     pub(super) fn refusal(&mut self, number: Numbered, code: u8, format: Format) {
         if !number.is_some() {
             self.byte(b'\n');
         }
+        self.number(number);
         self.byte(b'?');
-        if format == Format::Binary {
-            self.byte(code | HIGH);
-        } else {
-            self.line(code.into());
-        }
+        self.value(code.into(), 1, format);
+        self.end(format);
     }
 
     /// Something that is 14 bits and no more.
     pub(super) fn word(&mut self, start: u8, value: u16, format: Format) {
         self.byte(start);
-        if format == Format::Binary {
-            self.groups(value.into(), 2);
-        } else {
-            self.line(value);
-        }
-    }
-
-    /// The decimal that ends a line.
-    fn line(&mut self, value: u16) {
-        self.decimal(value.into());
-        self.byte(b'\n');
+        self.value(value, 2, format);
+        self.end(format);
     }
 
     /// At most nine digits, as positions have. By bits of digits: small machines have neither a division nor a table to

@@ -2,7 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::packed::NUMBER_MAX;
+use super::packed::{NUMBER_MAX, halves};
 
 /// How something is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,8 +120,16 @@ impl Control {
 
     /// What was written asks for.
     #[must_use]
-    pub fn of(bits: u16) -> Option<Self> {
-        [Self::Query, Self::Hold, Self::Resume, Self::Stop].into_iter().find(|control| control.bits() == bits)
+    pub const fn of(bits: u16) -> Option<Self> {
+        let [complement, code] = halves(bits);
+        match code {
+            _ if code ^ complement != 0x7F => None,
+            0 => Some(Self::Query),
+            1 => Some(Self::Hold),
+            2 => Some(Self::Resume),
+            3 => Some(Self::Stop),
+            _ => None,
+        }
     }
 }
 

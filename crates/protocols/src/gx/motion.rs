@@ -53,28 +53,28 @@ mod queue;
 mod reports;
 mod settings;
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable};
 
 use super::encoder::{Out, confirmation};
-use super::message::{Fault, Format, Number, Status};
+use super::message::{Fault, Numbered, Status};
 use super::packed::is_position;
 use super::receiver::{CommandReceiver, ESC, Step};
 use super::vector::{AXES, MASK_VELOCITY, Vector};
 use crate::session::{count, left, span};
-pub use event::Event;
 use event::Pending;
+pub use event::{Event, EventKind};
 use notices::Notices;
 use order::Order;
 pub(super) use order::STRIDE;
 use queue::Queue;
-use reports::Reports;
+use reports::{NEVER, Reports};
 pub use settings::{Health, Settings};
 
 /// A motion side that queues up to `QUEUE` moves, 1 to 255. All zero is a new one with default settings.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, FromBytes, Immutable)]
+#[repr(C)]
 pub struct Motion<const QUEUE: usize> {
-    // What is looked at with each byte comes first, the queue last: small machines reach what is near with less code.
-    receiver: CommandReceiver,
+    // What is small comes first, the queue last: small machines reach what is near with less code.
     pending: Pending,
     /// Whether the line was not quiet since bytes came.
     busy: u8,
@@ -82,20 +82,27 @@ pub struct Motion<const QUEUE: usize> {
     escaped: u8,
     /// Why no moves are handed out: [`HELD`] or [`STOPPING`]; 0: they are.
     halt: u8,
-    /// When the last bytes came.
-    arrived_at: u32,
-    notices: Notices,
     order: Order,
     reports: Reports,
     settings: Settings,
+    /// When the last bytes came.
+    arrived_at: u32,
+    receiver: CommandReceiver,
+    notices: Notices,
     health: Health,
     /// What is reported.
     position: Vector,
     queue: Queue<QUEUE>,
 }
 
-/// The time that is left until something that does not come.
-const NEVER: u32 = u32::MAX;
+/// What [`Motion::output`] has written.
+enum Written {
+    /// That a move has ended which has this check.
+    End(u8),
+    Notice,
+    Status,
+    Report,
+}
 
 /// Until a host lets it go on.
 const HELD: u8 = 1;
@@ -127,33 +134,48 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// Replaces the settings. For a motion side that has just begun.
     pub const fn set(&mut self, settings: Settings) {
         self.settings = settings;
+        self.settings.gap_ms = span(self.settings.gap_ms, 0);
+        self.settings.host_ms = span(self.settings.host_ms, 0);
     }
 
     /// Takes received bytes; returns how many: fewer than all when an event or notices have to be fetched first.
+    #[inline]
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
-        let mut rest = input;
-        while let Some((byte, behind)) = rest.split_first().filter(|_| self.has_room()) {
-            match self.receiver.receive_byte(*byte) {
-                Step::Before(kind) => {
-                    self.handle(kind);
-                    continue;
-                }
-                Step::Done(kind) => self.handle(kind),
-                Step::Taken => {}
+        let mut taken = 0_usize;
+        for byte in input {
+            if !self.receive_byte(*byte) {
+                break;
             }
-            rest = behind;
-            let is_escape = *byte == ESC;
-            if is_escape && self.escaped != 0 {
-                self.order.close();
-            }
-            self.escaped = is_escape.into();
+            taken = taken.wrapping_add(1);
         }
-        let taken = input.len().wrapping_sub(rest.len());
         if taken != 0 {
             self.arrived_at = now;
             self.busy = 1;
         }
         taken
+    }
+
+    /// Takes a byte, if there is room for what that brings about.
+    fn receive_byte(&mut self, byte: u8) -> bool {
+        loop {
+            if !self.has_room() {
+                return false;
+            }
+            match self.receiver.receive_byte(byte) {
+                Step::Taken => break,
+                Step::Done(kind) => {
+                    self.handle(kind);
+                    break;
+                }
+                Step::Before(kind) => self.handle(kind),
+            }
+        }
+        let was_escape = self.escaped != 0;
+        self.escaped = (byte == ESC).into();
+        if was_escape && byte == ESC {
+            self.order.close();
+        }
+        true
     }
 
     /// The next event; `None` when nothing has happened.
@@ -163,30 +185,32 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if now != self.arrived_at {
             self.on_timer(now);
         }
-        if self.pending.is_none() { None } else { self.pending.take() }
+        if self.pending.is_none() { None } else { self.pending.take(self.reports.period()) }
     }
 
     #[inline(never)]
     fn on_timer(&mut self, now: u32) {
-        if self.gap_left(now) == 0 && self.has_room() {
+        if self.busy != 0 && self.has_room() && self.quiet_left(now, self.gap()) == 0 {
             self.busy = 0;
             if let Some(kind) = self.receiver.idle() {
                 self.handle(kind);
             }
         }
-        if self.pending.is_none() && self.silence_left(now) == 0 {
-            self.demand_stop(Fault::Silent, self.reports.format());
+        if self.pending.is_none() && self.is_watching() && self.quiet_left(now, self.settings.host_ms) == 0 {
+            self.halt = STOPPING;
+            self.pending.set(Some(EventKind::Stop), Numbered::NONE, Fault::Silent as u8);
+            self.reports.answer(self.reports.format(), false);
         }
     }
 
     /// Takes the next move to carry out, if there is one: the mask flags the axes that it names, and the velocity if
     /// one was ever set; where the others are to stay is filled in too.
     #[expect(clippy::should_implement_trait, reason = "what it returns is borrowed")]
-    pub fn next(&mut self) -> Option<(&Vector, Option<Number>)> {
+    pub fn next(&mut self) -> Option<(&Vector, Numbered)> {
         if self.halt != 0 {
             return None;
         }
-        self.queue.next().map(|(target, number)| (target, number.get()))
+        self.queue.next()
     }
 
     /// The oldest of the moves taken has been carried out. `false`: none was taken.
@@ -206,7 +230,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     ///
     /// If a host wanted that, the position follows, as it was set last, and the velocity that is in force.
     pub fn stop(&mut self, code: u8) {
-        let number = self.queue.awaited();
+        let number = self.queue.awaited(Numbered::NONE);
         if number.is_some() {
             self.notices.push(number, number.format(), code);
         }
@@ -236,93 +260,94 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// [`poll`](Self::poll); `now` is when it leaves.
     pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
-        let ended = self.queue.ended();
-        let (number, code, format, check) = if let Some((number, check)) = ended {
-            (number, 0, Format::Binary, Some(check))
+        let written = if let Some((number, check)) = self.queue.ended() {
+            self.write_completed(&mut out, number, Some(check));
+            Written::End(check)
         } else if let Some(notice) = self.notices.first() {
-            let number = notice.number();
-            let check = self.queue.reported().filter(|_| self.order.was_last(number));
-            (number, notice.code(), notice.format(), check)
-        } else {
-            return self.output_state(out, now);
-        };
-        match check {
-            Some(check) if code == 0 && self.order.is_session() => {
-                out.word(b'&', confirmation(number.value(), check), number.format());
+            let (number, code) = (notice.number(), notice.code());
+            if code == 0 {
+                self.write_completed(&mut out, number, self.queue.reported().filter(|_| self.order.was_last(number)));
+            } else {
+                out.refusal(number, code, notice.format());
             }
-            _ => {
-                out.number(number);
-                if code == 0 {
-                    out.end_number(number);
-                } else {
-                    out.refusal(number, code, format);
+            Written::Notice
+        } else if self.reports.takes_status() {
+            let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
+            out.word(b'%', status.bits(), self.reports.format());
+            Written::Status
+        } else if self.reports.is_due(now) {
+            self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
+            self.position.velocity = self.queue.velocity();
+            out.byte(b'=');
+            out.positions(self.reports.format(), &self.position);
+            Written::Report
+        } else {
+            return 0;
+        };
+        let length = out.length().unwrap_or(0);
+        if length != 0 {
+            match written {
+                Written::End(check) => self.queue.pop_ended(check),
+                Written::Notice => self.notices.pop(),
+                Written::Status => self.reports.status_sent(),
+                Written::Report => {
+                    self.reports.sent(now);
+                    self.position.mask = 0;
+                    count(&mut self.health.reports);
                 }
             }
-        }
-        let length = out.length().unwrap_or(0);
-        match (length, ended) {
-            (0, _) => {}
-            (_, Some(_)) => self.queue.pop_ended(),
-            (_, None) => self.notices.pop(),
         }
         length
     }
 
-    /// The status, or a position report.
-    fn output_state(&mut self, mut out: Out<'_>, now: u32) -> usize {
-        let format = self.reports.format();
-        let is_status = self.reports.takes_status();
-        if is_status {
-            let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
-            out.word(b'%', status.bits(), format);
-        } else if self.reports.left(now) == 0 {
-            self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
-            self.position.velocity = self.queue.velocity();
-            out.byte(b'=');
-            out.positions(format, &self.position);
-        }
-        let length = out.length().unwrap_or(0);
-        if length != 0 && is_status {
-            self.reports.status_sent();
-        } else if length != 0 {
-            self.reports.sent(now);
-            self.position.mask = 0;
-            count(&mut self.health.reports);
-        }
-        length
+    /// The notice that the command with this number was carried out; `check` is that of a move, for the host of a
+    /// session.
+    fn write_completed(&self, out: &mut Out<'_>, number: Numbered, check: Option<u8>) {
+        let (start, value) = match check {
+            Some(check) if self.order.is_session() => (b'&', confirmation(number.value(), check)),
+            _ => (b'#', number.value()),
+        };
+        out.word(start, value, number.format());
     }
 
     /// How many milliseconds may pass until [`poll`](Self::poll) or [`output`](Self::output) have something to do
     /// without anything being received or done; `None` when there is nothing to wait for.
     #[must_use]
+    #[inline]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        if !self.pending.is_none()
-            || self.queue.ended().is_some()
-            || self.notices.first().is_some()
-            || self.reports.takes_status()
-        {
-            return Some(0);
-        }
-        let due = self.gap_left(now).min(self.reports.left(now)).min(self.silence_left(now));
+        let due = self.due(now);
         (due != NEVER).then_some(due)
     }
 
-    fn gap_left(&self, now: u32) -> u32 {
-        if self.busy == 0 { NEVER } else { self.quiet_left(now, self.settings.gap_ms, 1000) }
-    }
-
-    /// How long until the machine is to stop because its host is silent.
-    fn silence_left(&self, now: u32) -> u32 {
-        if self.settings.host_ms == 0 || self.halt == STOPPING || self.queue.unfinished() == 0 {
-            return NEVER;
+    #[inline(never)]
+    fn due(&self, now: u32) -> u32 {
+        if !self.pending.is_none() || self.queue.has_ended() || !self.notices.is_empty() || self.reports.takes_status()
+        {
+            return 0;
         }
-        self.quiet_left(now, self.settings.host_ms, 0)
+        let mut due = self.reports.left(now);
+        if self.busy != 0 {
+            due = due.min(self.quiet_left(now, self.gap()));
+        }
+        if self.is_watching() {
+            due = due.min(self.quiet_left(now, self.settings.host_ms));
+        }
+        due
     }
 
-    /// How long until nothing has come for as long as a setting says.
-    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-    fn quiet_left(&self, now: u32, setting: u32, default: u32) -> u32 {
-        left(now, self.arrived_at, span(setting, default))
+    /// After how long an incomplete command is given up.
+    const fn gap(&self) -> u32 {
+        if self.settings.gap_ms == 0 { 1000 } else { self.settings.gap_ms }
+    }
+
+    /// Whether the machine is to stop when its host is silent.
+    const fn is_watching(&self) -> bool {
+        self.settings.host_ms != 0 && self.halt != STOPPING && self.queue.unfinished() != 0
+    }
+
+    /// How long until nothing has come for that long.
+    const fn quiet_left(&self, now: u32, span: u32) -> u32 {
+        left(now, self.arrived_at, span)
     }
 
     /// What was seen so far.

@@ -29,32 +29,39 @@ use text::{is_end, word};
 
 pub(super) const ESC: u8 = 0x1B;
 
-// States. Any other byte stands for IDLE too.
+// States: what is being received, with the flags below. Any other byte stands for IDLE too.
 /// Between commands.
 const IDLE: u8 = 0;
-/// Behind a number.
-const NUMBERED: u8 = 1;
-/// Behind `#`, behind the first of two packed bytes, in digits.
-const NUMBER: u8 = 2;
-const NUMBER_PACKED: u8 = 3;
-const NUMBER_DIGITS: u8 = 4;
-/// The mask is due; the packed bytes of a value.
-const MASK: u8 = 5;
-const VALUE: u8 = 6;
-/// In ASCII: between words, behind a letter, behind a sign, in digits.
-const WORDS: u8 = 7;
-const LETTER: u8 = 8;
-const SIGN: u8 = 9;
-const DIGITS: u8 = 10;
-/// Behind `=`.
-const REPORT: u8 = 11;
-/// Behind `?`, `%` or `&`, behind the first of two packed bytes, in digits.
-const CODE: u8 = 12;
-const CODE_PACKED: u8 = 13;
-const CODE_DIGITS: u8 = 14;
 /// Behind a malformed command.
-const SKIP_PACKED: u8 = 15;
-const SKIP_LINE: u8 = 16;
+const SKIP_LINE: u8 = 1;
+const SKIP_PACKED: u8 = 2;
+/// Behind a number.
+const NUMBERED: u8 = 3;
+/// In ASCII, between words.
+const WORDS: u8 = 4;
+/// Behind `=`.
+const REPORT: u8 = 5;
+/// Behind a letter.
+const WORD: u8 = 6;
+/// Behind `#`.
+const NUMBER: u8 = 7;
+/// Behind `?`, `%` or `&`.
+const CODE: u8 = 8;
+/// Packed bytes: the mask, and those of values.
+const MASK: u8 = 9;
+const VALUE: u8 = 10;
+
+// Flags.
+/// Packed bytes may come.
+const PACKED: u8 = 0x80;
+/// Digits may come.
+const DIGITS: u8 = 0x40;
+/// There was a digit.
+const BEGUN: u8 = 0x20;
+const FLAGS: u8 = PACKED | DIGITS | BEGUN;
+
+const MASK_DUE: u8 = MASK | PACKED;
+const VALUE_DUE: u8 = VALUE | PACKED;
 
 /// Receives commands: the motion side's.
 pub type CommandReceiver = Receiver<false>;
@@ -63,14 +70,15 @@ pub type NoticeReceiver = Receiver<true>;
 
 /// What has come of a command or notice. All zero is a new receiver.
 #[derive(Clone, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Receiver<const NOTICES: bool> {
     /// One of the states above.
     state: u8,
-    /// The first byte of what is binary; 0: it is ASCII.
+    /// The first byte of what is binary, or of a code; 0: it is ASCII.
     start: u8,
-    /// Flags of the binary values still to come. In ASCII: 1 behind a minus.
+    /// Flags of the binary values still to come. In ASCII: 1 behind a minus, 2 behind a plus.
     left: u8,
-    /// Packed bytes of the value still to come. In ASCII: the number of the word. Of a code: the byte before it.
+    /// Packed bytes of the value still to come. In ASCII: the number of the word.
     place: u8,
     number: Numbered,
     /// The value that is being read, packed groups or decimal digits; then the code.
@@ -110,8 +118,8 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.begin_call();
         while let Some((byte, mut behind)) = rest.split_first() {
             let step = match self.state {
-                VALUE if *byte >= HIGH => self.packed(*byte),
-                MASK if WIDE && *byte >= HIGH => self.mask(*byte),
+                VALUE_DUE if *byte >= HIGH => self.packed(*byte),
+                MASK_DUE if WIDE && *byte >= HIGH => self.mask(*byte),
                 _ => self.step(*byte),
             };
             let step = if step == Step::Taken { self.whole_values(&mut behind) } else { step };
@@ -133,14 +141,13 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     /// To be called when the line has been quiet for longer than a command takes: what is incomplete is given up and
     /// reported as malformed; of notices, a number that could have become an error notice is a completion.
     pub fn idle(&mut self) -> Option<Kind> {
-        let state = self.state;
-        let is_packed = matches!(state, NUMBER_PACKED | MASK | VALUE | CODE_PACKED)
-            || state == NUMBERED && self.number.format() == Format::Binary;
+        let (is_inside, is_packed) = (self.is_inside(), self.is_packed());
+        let is_numbered = self.state == NUMBERED;
         self.state = IDLE;
-        if !matches!(state, NUMBERED..=CODE_DIGITS) {
+        if !is_inside {
             return None;
         }
-        if NOTICES && state == NUMBERED && is_packed {
+        if NOTICES && is_numbered && is_packed {
             return Some(Kind::Completed);
         }
         Some(self.malformed(Fault::Interrupted, is_packed))
@@ -202,27 +209,45 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     /// The number of what was found before is held until then.
     #[inline]
     const fn begin_call(&mut self) {
-        if !matches!(self.state, NUMBERED..=CODE_DIGITS) {
+        if !self.is_inside() {
             self.number = Numbered::NONE;
+        }
+    }
+
+    /// Whether something has begun that is neither complete nor malformed.
+    const fn is_inside(&self) -> bool {
+        self.state >= NUMBERED
+    }
+
+    /// Whether what came last of it is packed.
+    const fn is_packed(&self) -> bool {
+        match self.state {
+            NUMBERED => matches!(self.number.format(), Format::Binary),
+            state => state & (PACKED | DIGITS) == PACKED,
         }
     }
 
     fn step(&mut self, byte: u8) -> Step {
         let state = self.state;
-        match state {
-            _ if byte == ESC => {
-                self.reset();
-                self.number = Numbered::NONE;
-                Step::Taken
-            }
+        if byte == ESC {
+            self.reset();
+            self.number = Numbered::NONE;
+            return Step::Taken;
+        }
+        if byte >= HIGH && state & PACKED != 0 {
+            return self.packed(byte);
+        }
+        if byte.is_ascii_digit() && state & DIGITS != 0 {
+            return self.digit(byte);
+        }
+        match state & !FLAGS {
             NUMBERED => self.behind_number(byte),
-            NUMBER | NUMBER_PACKED | NUMBER_DIGITS => self.number_byte(byte),
-            MASK if byte >= HIGH => self.mask(byte),
-            VALUE if byte >= HIGH => self.packed(byte),
+            NUMBER => self.number_ends(byte),
+            CODE => self.code_ends(byte),
+            WORD => self.word_ends(byte),
+            WORDS => self.words(byte),
             MASK | VALUE => self.refuse(byte, Fault::Syntax, true),
-            WORDS | LETTER | SIGN | DIGITS => self.text(byte),
-            REPORT => self.report(byte),
-            CODE | CODE_PACKED | CODE_DIGITS => self.code_byte(byte),
+            REPORT if NOTICES => self.report(byte),
             SKIP_PACKED | SKIP_LINE if self.skips(byte, state == SKIP_PACKED) => Step::Taken,
             _ => {
                 self.state = IDLE;
@@ -233,18 +258,22 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
 
     /// The first byte of a command or notice, behind its number if it has one.
     fn begin(&mut self, byte: u8) -> Step {
+        // Of digits; packed bytes shift out what was there before.
+        self.value = 0;
+        self.place = 2;
         let (start, state) = match byte {
-            b'#' => (0, NUMBER),
+            b'#' => (0, NUMBER | DIGITS | PACKED),
             b'=' if NOTICES => (0, REPORT),
             b'?' | b'&' | b'%' if NOTICES || byte == b'%' => {
-                self.place = byte;
-                (0, CODE)
+                if byte == b'?' {
+                    self.place = 1;
+                }
+                (byte, CODE | DIGITS | PACKED)
             }
-            b'!' | b'*' if !NOTICES => (byte, MASK),
+            b'!' | b'*' if !NOTICES => (byte, MASK_DUE),
             b'~' if !NOTICES => {
                 self.left = MASK_VELOCITY;
-                self.place = 2;
-                (byte, VALUE)
+                (byte, VALUE_DUE)
             }
             _ if !NOTICES && word(byte).is_some() => return self.first_word(byte),
             _ => return self.refuse(byte, Fault::Unknown, byte >= HIGH),
@@ -259,7 +288,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         match byte {
             b'!' => {
                 self.start = b'=';
-                self.state = MASK;
+                self.state = MASK_DUE;
                 Step::Taken
             }
             b'\r' | b'\n' => self.refuse(byte, Fault::Empty, false),
@@ -275,6 +304,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     }
 
     /// A byte that has no place where it is.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn refuse(&mut self, byte: u8, fault: Fault, is_packed: bool) -> Step {
         let taken = self.skips(byte, is_packed && fault != Fault::Number);
         let is_interrupted = !taken && fault == Fault::Syntax && is_start::<NOTICES>(byte);

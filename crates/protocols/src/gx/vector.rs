@@ -13,6 +13,7 @@ pub const MASK_VELOCITY: u8 = 0x40;
 
 /// Axes and velocity: a target, the deltas of a step, or a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Vector {
     /// Along the vector, in steps per second: 0 to 16383.
     pub velocity: u16,

@@ -2,80 +2,85 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::gx::{Number, Numbered};
+use crate::gx::Numbered;
+
+/// What happened at the motion side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum EventKind {
+    /// A move was queued.
+    Queued = 1,
+    /// A move that was queued before came again. Nothing is to be done.
+    Repeated = 2,
+    /// A command was refused.
+    Refused = 3,
+    /// A host has begun a session with this number.
+    Begun = 4,
+    /// The position is to be reported each so many milliseconds; 0: not any more. (The library does that.)
+    Reporting = 5,
+    /// A host wants the machine to hold, that is, to stop for now: no further moves are handed out.
+    Hold = 6,
+    /// A host wants the machine to go on.
+    Resume = 7,
+    /// The machine is to stop, for good. No moves are handed out; when it stands, [`stop`](super::Motion::stop) has to
+    /// be called.
+    Stop = 8,
+}
 
 /// Something that happened at the motion side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// A move was queued.
-    Queued(Option<Number>),
-    /// A move that was queued before came again. Nothing is to be done.
-    Repeated(Option<Number>),
-    /// A command was refused, with this code.
-    Refused(Option<Number>, u8),
-    /// A host has begun a session with this number.
-    Begun(Option<Number>),
-    /// The position is to be reported each so many milliseconds; 0: not any more. (The library does that.)
-    Reporting(u16),
-    /// A host wants the machine to hold, that is, to stop for now: no further moves are handed out.
-    Hold,
-    /// A host wants the machine to go on.
-    Resume,
-    /// The machine is to stop, for good: by a host's wish, as [`Fault::Stopped`](crate::gx::Fault::Stopped), or since
-    /// it is silent, as [`Fault::Silent`](crate::gx::Fault::Silent). No moves are handed out; when it stands,
-    /// [`stop`](super::Motion::stop) has to be called.
-    Stop(u8),
+pub struct Event {
+    /// What.
+    pub kind: EventKind,
+    /// The number of the command that brought it about; none from [`Reporting`](EventKind::Reporting) on.
+    pub number: Numbered,
+    /// Of [`Refused`](EventKind::Refused) and [`Stop`](EventKind::Stop), why: the code of a
+    /// [`Fault`](crate::gx::Fault); 0 of others.
+    pub code: u8,
+    /// Of [`Reporting`](EventKind::Reporting), the period; 0 of others.
+    pub period: u16,
 }
-
-pub(super) const QUEUED: u8 = 1;
-pub(super) const REPEATED: u8 = 2;
-pub(super) const REFUSED: u8 = 3;
-pub(super) const BEGUN: u8 = 4;
-pub(super) const REPORTING: u8 = 5;
-pub(super) const HOLD: u8 = 6;
-pub(super) const RESUME: u8 = 7;
-pub(super) const STOP: u8 = 8;
 
 /// The event that was not fetched yet.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub(super) struct Pending {
-    number: Numbered,
-    period: u16,
-    code: u8,
-    /// One of the above; else there is none.
+    /// An [`EventKind`]; else there is none.
     kind: u8,
+    code: u8,
+    number: Numbered,
 }
 
 impl Pending {
     pub(super) const fn new() -> Self {
-        Self { number: Numbered::NONE, period: 0, code: 0, kind: 0 }
+        Self { number: Numbered::NONE, code: 0, kind: 0 }
     }
 
     pub(super) const fn is_none(&self) -> bool {
         self.kind == 0
     }
 
-    pub(super) const fn set(&mut self, kind: u8, number: Numbered, code: u8) {
-        (self.kind, self.number, self.code) = (kind, number, code);
+    pub(super) fn set(&mut self, kind: Option<EventKind>, number: Numbered, code: u8) {
+        (self.kind, self.number, self.code) = (kind.map_or(0, |kind| kind as u8), number, code);
     }
 
-    pub(super) const fn set_reporting(&mut self, period: u16) {
-        (self.kind, self.period) = (REPORTING, period);
-    }
-
-    pub(super) const fn take(&mut self) -> Option<Event> {
-        let (kind, number) = (self.kind, self.number.get());
+    /// `period` is that of reports.
+    pub(super) const fn take(&mut self, period: u16) -> Option<Event> {
+        let stored = self.kind;
         self.kind = 0;
-        Some(match kind {
-            QUEUED => Event::Queued(number),
-            REPEATED => Event::Repeated(number),
-            REFUSED => Event::Refused(number, self.code),
-            BEGUN => Event::Begun(number),
-            REPORTING => Event::Reporting(self.period),
-            HOLD => Event::Hold,
-            RESUME => Event::Resume,
-            STOP => Event::Stop(self.code),
+        let kind = match stored {
+            1 => EventKind::Queued,
+            2 => EventKind::Repeated,
+            3 => EventKind::Refused,
+            4 => EventKind::Begun,
+            5 => EventKind::Reporting,
+            6 => EventKind::Hold,
+            7 => EventKind::Resume,
+            8 => EventKind::Stop,
             _ => return None,
-        })
+        };
+        let number = if stored < EventKind::Reporting as u8 { self.number } else { Numbered::NONE };
+        let period = if stored == EventKind::Reporting as u8 { period } else { 0 };
+        Some(Event { kind, number, code: self.code, period })
     }
 }

@@ -31,6 +31,7 @@ const ROOM: usize = 4;
 
 /// A few notices, the oldest first.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub(super) struct Notices {
     count: u8,
     list: [Notice; ROOM],
@@ -44,6 +45,10 @@ impl Notices {
     /// Whether there is room for what one command brings about, and one more.
     pub(super) const fn has_room(&self) -> bool {
         self.count <= 2
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.count == 0
     }
 
     pub(super) const fn clear(&mut self) {
@@ -61,7 +66,7 @@ impl Notices {
     }
 
     pub(super) fn first(&self) -> Option<Notice> {
-        if self.count == 0 { None } else { self.list.first().copied() }
+        if self.is_empty() { None } else { self.list.first().copied() }
     }
 
     pub(super) fn pop(&mut self) {

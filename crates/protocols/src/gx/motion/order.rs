@@ -10,19 +10,20 @@ pub(in crate::gx) const STRIDE: u16 = 5461;
 
 /// The order of numbers at the motion side; all zero: none is kept.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub(super) struct Order {
-    /// The number that the next command has to have.
-    next: u16,
-    /// The number that was refused last.
-    refused: u16,
-    /// One more than the number of the request for reports that came last; 0: another command has come since.
-    asked: u16,
-    /// Whether that one came directly behind the one whose number lies a stride before.
-    paired: u8,
     /// One of the stages below.
     stage: u8,
     /// Whether nothing was taken since the last one was refused.
     refusing: u8,
+    /// Whether the last request for reports came directly behind the one whose number lies a stride before.
+    paired: u8,
+    /// One more than the number of that request; 0: another command has come since.
+    asked: u16,
+    /// The number that the next command has to have.
+    next: u16,
+    /// The number that was refused last.
+    refused: u16,
 }
 
 /// Numbers mean nothing.

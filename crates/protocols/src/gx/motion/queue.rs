@@ -1,24 +1,26 @@
 //! The moves that wait, are carried out, or have ended without their host knowing yet.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable};
 
 use crate::gx::{AXES, Lost, MASK_AXES, Numbered, Vector};
 
 /// A queued move.
-#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, FromBytes, Immutable)]
+#[repr(C)]
 struct Queued {
-    /// Where all axes are to be after it, the velocity in force, and which axes it names.
-    target: Vector,
     /// The number whose end a host waits for.
     number: Numbered,
     /// Of a session, what the host compares with its plan.
     check: u8,
+    /// Where all axes are to be after it, the velocity in force, and which axes it names.
+    target: Vector,
 }
 
 const REPORTED: u8 = 0x80;
 
 /// The queue of a motion side: first the moves that have ended, then those that are carried out, then those that wait.
-#[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, FromBytes, Immutable)]
+#[repr(C)]
 pub(super) struct Queue<const SIZE: usize> {
     head: u8,
     count: u8,
@@ -49,21 +51,12 @@ impl<const SIZE: usize> Queue<SIZE> {
         self.count.saturating_sub(self.done)
     }
 
-    /// The number of the oldest of them whose end a host waits for.
-    pub(super) fn awaited(&self) -> Numbered {
-        self.find(Numbered::is_some)
-    }
-
-    /// Whether the move with this number is one of them.
-    pub(super) fn awaits(&self, number: Numbered) -> bool {
-        self.find(|other| other.is_some() && other.value() == number.value()).is_some()
-    }
-
-    fn find(&self, is_it: impl Fn(Numbered) -> bool) -> Numbered {
+    /// The number of the oldest of them whose end a host waits for: of those with this number, if it is one.
+    pub(super) fn awaited(&self, wanted: Numbered) -> Numbered {
         for index in self.done..self.count {
-            match self.at(index) {
-                Some(queued) if is_it(queued.number) => return queued.number,
-                _ => {}
+            let number = self.at(index).map_or(Numbered::NONE, |queued| queued.number);
+            if number.is_some() && (!wanted.is_some() || number.value() == wanted.value()) {
+                return number;
             }
         }
         Numbered::NONE
@@ -74,6 +67,7 @@ impl<const SIZE: usize> Queue<SIZE> {
     /// # Errors
     ///
     /// When it leads nowhere: nothing changes then.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn push(&mut self, vector: &Vector, is_step: bool, number: Numbered) -> Result<(), Lost> {
         self.last.follow(vector, is_step)?;
         self.named |= vector.mask;
@@ -90,6 +84,7 @@ impl<const SIZE: usize> Queue<SIZE> {
     }
 
     /// The next move to carry out, which is taken.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn next(&mut self) -> Option<(&Vector, Numbered)> {
         // Those that only set the velocity are nothing to carry out.
         while self.begun < self.count && self.at(self.begun).is_some_and(|queued| !queued.moves()) {
@@ -115,12 +110,17 @@ impl<const SIZE: usize> Queue<SIZE> {
 
     /// The number and the check of the oldest move that has ended, to be reported.
     pub(super) fn ended(&self) -> Option<(Numbered, u8)> {
-        self.at(0).filter(|_| self.done > 0 && self.count > 0).map(|queued| (queued.number, queued.check))
+        self.at(0).filter(|_| self.has_ended()).map(|queued| (queued.number, queued.check))
     }
 
-    /// That was reported.
-    pub(super) fn pop_ended(&mut self) {
-        self.reported = self.ended().map_or(0, |(_, check)| check | REPORTED);
+    /// Whether there is one.
+    pub(super) const fn has_ended(&self) -> bool {
+        self.done > 0 && self.count > 0
+    }
+
+    /// That was reported, with this check.
+    pub(super) fn pop_ended(&mut self, check: u8) {
+        self.reported = check | REPORTED;
         self.drop_first();
         self.tidy();
     }
@@ -150,6 +150,7 @@ impl<const SIZE: usize> Queue<SIZE> {
     }
 
     /// Drops the moves that have not ended. Where the machine is then is not known.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn drop_unfinished(&mut self) {
         self.count = self.done.min(self.count);
         self.begun = self.count;
@@ -158,11 +159,14 @@ impl<const SIZE: usize> Queue<SIZE> {
 
     /// The axes that nobody knows the place of are there.
     pub(super) fn starts_at(&mut self, position: &[i32; AXES]) {
-        for (axis, value) in position.iter().enumerate() {
-            if !self.last.has(axis) {
-                self.last.set(axis, *value);
+        let mut known = self.last.mask;
+        for (place, value) in self.last.axes.iter_mut().zip(position) {
+            if known & 1 == 0 {
+                *place = *value;
             }
+            known >>= 1;
         }
+        self.last.mask |= MASK_AXES;
     }
 
     /// What has ended, and nobody waits for, is gone; what only sets the velocity ends with the moves before it.
@@ -171,11 +175,12 @@ impl<const SIZE: usize> Queue<SIZE> {
             self.done = self.done.wrapping_add(1);
             self.begun = self.begun.max(self.done);
         }
-        while self.done > 0 && self.count > 0 && self.at(0).is_some_and(|queued| !queued.number.is_some()) {
+        while self.has_ended() && self.at(0).is_some_and(|queued| !queued.number.is_some()) {
             self.drop_first();
         }
     }
 
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn drop_first(&mut self) {
         self.head = u8::try_from(self.place(1)).unwrap_or_default();
         self.count = self.count.saturating_sub(1);
@@ -188,6 +193,7 @@ impl<const SIZE: usize> Queue<SIZE> {
         if place < SIZE { place } else { place.wrapping_sub(SIZE) }
     }
 
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn at(&self, index: u8) -> Option<&Queued> {
         self.moves.get(self.place(index))
     }

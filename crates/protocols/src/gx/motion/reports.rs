@@ -2,22 +2,25 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::NEVER;
 use crate::gx::Format;
 use crate::session::left;
 
+/// The time that is left until something that does not come.
+pub(super) const NEVER: u32 = u32::MAX;
+
 /// When the position is to be reported.
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub(super) struct Reports {
-    sent_at: u32,
-    /// In milliseconds; 0: none are wanted.
-    period: u16,
     /// A [`Format`]; 0: nothing was ever asked for.
     format: u8,
     /// One is due now.
     due: u8,
     /// The status is due now.
     status_due: u8,
+    /// In milliseconds; 0: none are wanted.
+    period: u16,
+    sent_at: u32,
 }
 
 impl Reports {
@@ -46,6 +49,10 @@ impl Reports {
         self.status_due = wants_status as u8;
     }
 
+    pub(super) const fn period(&self) -> u16 {
+        self.period
+    }
+
     pub(super) const fn takes_status(&self) -> bool {
         self.status_due != 0
     }
@@ -56,11 +63,17 @@ impl Reports {
 
     /// How long until one is due, or [`NEVER`].
     pub(super) fn left(&self, now: u32) -> u32 {
-        match (self.due, self.period) {
-            (0, 0) => NEVER,
-            (0, period) => left(now, self.sent_at, period.into()),
-            _ => 0,
+        if self.due != 0 {
+            0
+        } else if self.period == 0 {
+            NEVER
+        } else {
+            left(now, self.sent_at, self.period.into())
         }
+    }
+
+    pub(super) fn is_due(&self, now: u32) -> bool {
+        self.left(now) == 0
     }
 
     pub(super) fn format(&self) -> Format {

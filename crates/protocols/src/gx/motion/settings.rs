@@ -6,10 +6,8 @@ use crate::gx::MASK_AXES;
 
 /// Settings of a motion side. 0 stands for the default everywhere.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Settings {
-    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-    /// default 1000, as somebody may be typing.
-    pub gap_ms: u32,
     /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
     /// leave them out. By default all six.
     pub axes: u8,
@@ -18,6 +16,9 @@ pub struct Settings {
     /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
     /// session. By default moves are taken with any number, or none, until a host begins a session.
     pub only_in_order: u8,
+    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
+    /// default 1000, as somebody may be typing.
+    pub gap_ms: u32,
     /// The machine is to stop when nothing has come for this many milliseconds while there are moves to carry out; a
     /// host has to send something more often then, if only a status query. 0: it is not.
     pub host_ms: u32,

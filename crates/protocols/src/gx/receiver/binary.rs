@@ -1,8 +1,8 @@
 //! The packed bytes of a vector.
 
-use super::{Receiver, Step, VALUE};
+use super::{CODE, DIGITS, FLAGS, MASK_DUE, NUMBER, NUMBERED, Receiver, Step, VALUE_DUE};
 use crate::bytes::WIDE;
-use crate::gx::message::{Fault, Kind};
+use crate::gx::message::{Fault, Format, Kind, Numbered};
 use crate::gx::packed::{HIGH, push, signed7, signed28, unsigned14};
 use crate::gx::vector::{MASK_AXES, MASK_VELOCITY};
 
@@ -16,14 +16,14 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.vector.mask = mask;
         self.left = mask;
         self.place = if mask & MASK_VELOCITY != 0 { 2 } else { self.groups() };
-        self.state = VALUE;
+        self.state = VALUE_DUE;
         Step::Taken
     }
 
     /// On hosts, takes the values of axes that lie in one piece and are due.
     #[inline(always)]
     pub(super) fn whole_values(&mut self, bytes: &mut &[u8]) -> Step {
-        if WIDE && self.state == VALUE && self.left & MASK_VELOCITY == 0 && self.place == self.groups() {
+        if WIDE && self.state == VALUE_DUE && self.left & MASK_VELOCITY == 0 && self.place == self.groups() {
             *bytes = self.vector.unpack(&mut self.left, bytes, self.start == b'*');
             if self.left == 0 {
                 return self.vector_ends();
@@ -37,18 +37,38 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         if self.start == b'*' { 1 } else { 4 }
     }
 
-    /// A byte of a packed value.
+    /// A packed byte that is due.
     #[inline]
     pub(super) fn packed(&mut self, byte: u8) -> Step {
+        if self.state == MASK_DUE {
+            return self.mask(byte);
+        }
         self.value = push(self.value, byte);
         self.place = self.place.wrapping_sub(1) & 3;
-        if self.place == 0 { self.value_ends() } else { Step::Taken }
+        if self.place == 0 {
+            return self.value_ends();
+        }
+        self.state &= !DIGITS;
+        Step::Taken
     }
 
     fn value_ends(&mut self) -> Step {
+        let value = unsigned14(self.value);
+        match self.state & !FLAGS {
+            NUMBER => {
+                self.number = Numbered::new(value, Format::Binary);
+                self.state = NUMBERED;
+                return Step::Taken;
+            }
+            CODE => {
+                self.value = if self.start == b'?' { value >> 7 } else { value }.into();
+                return self.end(self.code_kind());
+            }
+            _ => {}
+        }
         if self.left & MASK_VELOCITY != 0 {
             self.left &= MASK_AXES;
-            self.vector.velocity = unsigned14(self.value);
+            self.vector.velocity = value;
         } else {
             let axis = self.left.trailing_zeros();
             let value = if self.start == b'*' { signed7(self.value) } else { signed28(self.value) };

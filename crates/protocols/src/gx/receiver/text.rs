@@ -1,6 +1,6 @@
 //! What is written as text: words and digits.
 
-use super::{DIGITS, LETTER, Receiver, SIGN, Step, WORDS};
+use super::{BEGUN, DIGITS, PACKED, Receiver, Step, WORD, WORDS};
 use crate::gx::message::{Fault, Kind};
 use crate::gx::packed::{PERIOD_MAX, VELOCITY_MAX, is_position};
 
@@ -10,26 +10,25 @@ const MASK_REPORTING: u8 = 0x80;
 const WORD_VELOCITY: u8 = 6;
 
 impl<const NOTICES: bool> Receiver<NOTICES> {
-    /// A byte of an ASCII vector, or of what asks for reports.
-    pub(super) fn text(&mut self, byte: u8) -> Step {
-        let state = self.state;
-        if state != WORDS {
-            if byte.is_ascii_digit() {
-                return self.digit(byte, DIGITS);
-            }
-            if state == LETTER && self.place < WORD_VELOCITY && matches!(byte, b'-' | b'+') {
-                self.left = u8::from(byte == b'-');
-                self.state = SIGN;
-                return Step::Taken;
-            }
-            if state != DIGITS {
+    /// A byte behind a letter or the digits of its value.
+    pub(super) fn word_ends(&mut self, byte: u8) -> Step {
+        if self.state & BEGUN == 0 {
+            let is_sign = self.place < WORD_VELOCITY && self.left == 0 && matches!(byte, b'-' | b'+');
+            if !is_sign {
                 return self.refuse(byte, Fault::Syntax, false);
             }
-            if !self.keep() {
-                return self.refuse(byte, Fault::Range, false);
-            }
-            self.state = WORDS;
+            self.left = if byte == b'-' { 1 } else { 2 };
+            return Step::Taken;
         }
+        if !self.keep() {
+            return self.refuse(byte, Fault::Range, false);
+        }
+        self.state = WORDS;
+        self.words(byte)
+    }
+
+    /// A byte of an ASCII vector, or of what asks for reports, between words.
+    pub(super) fn words(&mut self, byte: u8) -> Step {
         match byte {
             b' ' => Step::Taken,
             b'\r' | b'\n' if NOTICES => self.end(Kind::Position),
@@ -61,7 +60,8 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.vector.mask |= flag;
         self.place = word;
         self.left = 0;
-        self.state = LETTER;
+        self.value = 0;
+        self.state = WORD | DIGITS;
         Step::Taken
     }
 
@@ -74,19 +74,18 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             return value.is_some();
         }
         let size = self.value.cast_signed();
-        let value = if self.left == 0 { size } else { size.wrapping_neg() };
+        let value = if self.left == 1 { size.wrapping_neg() } else { size };
         if let Some(place) = self.vector.axes.get_mut(usize::from(self.place)) {
             *place = value;
         }
         is_position(value)
     }
 
-    /// A decimal digit, the first if this is another state. Values that are too large for anything stay so.
-    pub(super) fn digit(&mut self, byte: u8, state: u8) -> Step {
+    /// A decimal digit. Values that are too large for anything stay so.
+    pub(super) fn digit(&mut self, byte: u8) -> Step {
         const TOO_LARGE: u32 = 1 << 27;
-        let value = if self.state == state { self.value.min(TOO_LARGE) } else { 0 };
-        self.value = value.wrapping_mul(10).wrapping_add(byte.wrapping_sub(b'0').into());
-        self.state = state;
+        self.value = self.value.min(TOO_LARGE).wrapping_mul(10).wrapping_add(byte.wrapping_sub(b'0').into());
+        self.state = self.state & !PACKED | BEGUN;
         Step::Taken
     }
 
@@ -102,7 +101,13 @@ pub(super) const fn is_end(byte: u8) -> bool {
 }
 
 /// What a letter stands for: an axis, [`WORD_VELOCITY`] or, behind that, reporting.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(super) fn word(byte: u8) -> Option<u8> {
-    let place = b"xyzabcVR".iter().position(|letter| *letter == byte)?;
-    u8::try_from(place).ok()
+    Some(match byte {
+        b'x'..=b'z' => byte.wrapping_sub(b'x'),
+        b'a'..=b'c' => byte.wrapping_sub(b'a').wrapping_add(3),
+        b'V' => WORD_VELOCITY,
+        b'R' => 7,
+        _ => return None,
+    })
 }
