@@ -12,9 +12,6 @@ use super::vector::{AXES, MASK_AXES, MASK_VELOCITY, Vector, bit};
 /// Room that anything fits in: the longest is an ASCII vector of all axes and a velocity, with a number.
 pub const ENCODED_MAX: usize = 96;
 
-/// The letters of the axes.
-const LETTERS: [u8; AXES] = *b"xyzabc";
-
 /// Why something can't be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
@@ -219,15 +216,15 @@ impl<'a> Out<'a> {
     fn number(&mut self, number: Numbered) {
         if number.is_some() {
             self.byte(b'#');
-            self.value(number.value(), 2, number.format());
+            self.value(number.value().into(), 2, number.format());
         }
     }
 
     /// A value as digits, or in so many groups.
-    fn value(&mut self, value: u16, count: u8, format: Format) {
+    fn value(&mut self, value: u32, count: u8, format: Format) {
         match format {
-            Format::Binary => self.groups(value.into(), count),
-            Format::Ascii => self.decimal(value.into()),
+            Format::Binary => self.groups(value, count),
+            Format::Ascii => self.decimal(value),
         }
     }
 
@@ -241,24 +238,32 @@ impl<'a> Out<'a> {
 
     /// A vector of positions.
     pub(super) fn positions(&mut self, format: Format, vector: &Vector) {
-        let is_binary = format == Format::Binary;
-        if is_binary {
-            self.head(b'!', vector.mask, vector.velocity);
-        } else if let Some(velocity) = vector.velocity() {
-            self.byte(b'V');
-            self.decimal(velocity.into());
+        let is_ascii = format == Format::Ascii;
+        if !is_ascii {
+            self.byte(b'!');
+            self.byte(vector.mask | HIGH);
         }
-        for (axis, letter) in LETTERS.iter().enumerate() {
-            let Some(value) = vector.axis(axis) else { continue };
-            if is_binary {
-                self.groups(value.cast_unsigned(), 4);
-                continue;
+        if let Some(velocity) = vector.velocity() {
+            if is_ascii {
+                self.byte(b'V');
             }
-            self.byte(*letter);
-            if value < 0 {
-                self.byte(b'-');
+            self.value(velocity.into(), 2, format);
+        }
+        let (mut flags, mut letter) = (vector.mask & MASK_AXES, b'x');
+        for value in &vector.axes {
+            if flags & 1 != 0 {
+                let mut value = *value;
+                if is_ascii {
+                    self.byte(letter);
+                    if value < 0 {
+                        self.byte(b'-');
+                        value = value.wrapping_neg();
+                    }
+                }
+                self.value(value.cast_unsigned(), 4, format);
             }
-            self.decimal(value.unsigned_abs());
+            flags >>= 1;
+            letter = if letter == b'z' { b'a' } else { letter.wrapping_add(1) };
         }
         self.end(format);
     }
@@ -285,7 +290,7 @@ impl<'a> Out<'a> {
     /// Something that is 14 bits and no more.
     pub(super) fn word(&mut self, start: u8, value: u16, format: Format) {
         self.byte(start);
-        self.value(value, 2, format);
+        self.value(value.into(), 2, format);
         self.end(format);
     }
 

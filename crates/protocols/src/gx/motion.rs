@@ -141,21 +141,20 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// Takes received bytes; returns how many: fewer than all when an event or notices have to be fetched first.
     #[inline]
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
-        let mut taken = 0_usize;
-        for byte in input {
-            if !self.receive_byte(*byte) {
-                break;
-            }
-            taken = taken.wrapping_add(1);
-        }
-        if taken != 0 {
+        if !input.is_empty() {
             self.arrived_at = now;
             self.busy = 1;
         }
-        taken
+        for (taken, byte) in input.iter().enumerate() {
+            if !self.receive_byte(*byte) {
+                return taken;
+            }
+        }
+        input.len()
     }
 
     /// Takes a byte, if there is room for what that brings about.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn receive_byte(&mut self, byte: u8) -> bool {
         loop {
             if !self.has_room() {
@@ -258,7 +257,14 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     /// Writes the next notice to `room`, if it fits, and returns its length; 0 when there is none. To be called after
     /// [`poll`](Self::poll); `now` is when it leaves.
+    #[inline]
     pub fn output(&mut self, room: &mut [u8], now: u32) -> usize {
+        // Mostly there is none: that is found out without a call.
+        if self.has_notice() || self.reports.is_on() { self.write_next(room, now) } else { 0 }
+    }
+
+    #[inline(never)]
+    fn write_next(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
         let written = if let Some((number, check)) = self.queue.ended() {
             self.write_completed(&mut out, number, Some(check));
@@ -333,6 +339,11 @@ impl<const QUEUE: usize> Motion<QUEUE> {
             due = due.min(self.quiet_left(now, self.settings.host_ms));
         }
         due
+    }
+
+    /// Whether there is something to send, reports aside.
+    const fn has_notice(&self) -> bool {
+        self.queue.has_ended() || !self.notices.is_empty() || self.reports.takes_status()
     }
 
     /// After how long an incomplete command is given up.

@@ -52,8 +52,8 @@ const MASK: u8 = 9;
 const VALUE: u8 = 10;
 
 // Flags.
-/// Packed bytes may come.
-const PACKED: u8 = 0x80;
+/// Packed bytes may come: the bit that these have.
+const PACKED: u8 = HIGH;
 /// Digits may come.
 const DIGITS: u8 = 0x40;
 /// There was a digit.
@@ -118,8 +118,8 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.begin_call();
         while let Some((byte, mut behind)) = rest.split_first() {
             let step = match self.state {
-                VALUE_DUE if *byte >= HIGH => self.packed(*byte),
-                MASK_DUE if WIDE && *byte >= HIGH => self.mask(*byte),
+                state if state & *byte & HIGH != 0 => self.packed(*byte),
+                IDLE if WIDE => self.begin(*byte),
                 _ => self.step(*byte),
             };
             let step = if step == Step::Taken { self.whole_values(&mut behind) } else { step };
@@ -234,7 +234,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             self.number = Numbered::NONE;
             return Step::Taken;
         }
-        if byte >= HIGH && state & PACKED != 0 {
+        if state & byte & HIGH != 0 {
             return self.packed(byte);
         }
         if byte.is_ascii_digit() && state & DIGITS != 0 {
@@ -249,19 +249,18 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             MASK | VALUE => self.refuse(byte, Fault::Syntax, true),
             REPORT if NOTICES => self.report(byte),
             SKIP_PACKED | SKIP_LINE if self.skips(byte, state == SKIP_PACKED) => Step::Taken,
-            _ => {
-                self.state = IDLE;
-                if byte == b' ' || is_end(byte) { Step::Taken } else { self.begin(byte) }
-            }
+            _ => self.begin(byte),
         }
     }
 
-    /// The first byte of a command or notice, behind its number if it has one.
+    /// The first byte of a command or notice, behind its number if it has one; or one that means nothing there.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     fn begin(&mut self, byte: u8) -> Step {
         // Of digits; packed bytes shift out what was there before.
         self.value = 0;
         self.place = 2;
         let (start, state) = match byte {
+            b' ' | b'\r' | b'\n' | ESC => (0, IDLE),
             b'#' => (0, NUMBER | DIGITS | PACKED),
             b'=' if NOTICES => (0, REPORT),
             b'?' | b'&' | b'%' if NOTICES || byte == b'%' => {

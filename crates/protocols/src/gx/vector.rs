@@ -79,7 +79,7 @@ impl Vector {
         while let Some(place) = self.axes.get_mut(left.trailing_zeros() as usize) {
             if is_short {
                 let Some((&byte @ HIGH.., behind)) = rest.split_first() else { break };
-                *place = signed7(push(0, byte));
+                *place = signed7(byte);
                 rest = behind;
             } else {
                 let Some((&groups, behind)) = rest.split_first_chunk() else { break };
@@ -119,7 +119,8 @@ impl Vector {
     /// See [`Lost`]; nothing has changed then.
     pub fn follow(&mut self, vector: &Self, is_step: bool) -> Result<(), Lost> {
         // All of it or nothing: the first round only looks.
-        for writes in [false, true] {
+        let mut writes = false;
+        loop {
             let (mut flags, mut known) = (vector.mask & MASK_AXES, self.mask);
             for (place, value) in self.axes.iter_mut().zip(&vector.axes) {
                 if flags == 0 {
@@ -143,6 +144,10 @@ impl Vector {
                 flags >>= 1;
                 known >>= 1;
             }
+            if writes {
+                break;
+            }
+            writes = true;
         }
         self.mask |= vector.mask;
         if vector.mask & MASK_VELOCITY != 0 {

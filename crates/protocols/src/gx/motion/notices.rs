@@ -72,6 +72,6 @@ impl Notices {
     pub(super) fn pop(&mut self) {
         let [first, second, third, fourth] = &mut self.list;
         (*first, *second, *third) = (*second, *third, *fourth);
-        self.count = self.count.min(4).saturating_sub(1);
+        self.count = self.count.saturating_sub(1);
     }
 }

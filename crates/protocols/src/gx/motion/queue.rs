@@ -37,13 +37,16 @@ pub(super) struct Queue<const SIZE: usize> {
 }
 
 impl<const SIZE: usize> Queue<SIZE> {
+    #[expect(clippy::cast_possible_truncation, reason = "at most 255")]
+    const CAPACITY: u8 = SIZE as u8;
+
     pub(super) const fn new() -> Self {
         const NONE: Queued = Queued { target: Vector::new(), number: Numbered::NONE, check: 0 };
         Self { moves: [NONE; SIZE], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0, named: 0, reported: 0 }
     }
 
-    pub(super) fn has_room(&self) -> bool {
-        usize::from(self.count) < SIZE
+    pub(super) const fn has_room(&self) -> bool {
+        self.count < Self::CAPACITY
     }
 
     /// How many moves have not ended.
@@ -131,8 +134,8 @@ impl<const SIZE: usize> Queue<SIZE> {
     }
 
     /// How many more moves there is room for.
-    pub(super) fn free(&self) -> u8 {
-        u8::try_from(SIZE.saturating_sub(self.count.into())).unwrap_or(u8::MAX)
+    pub(super) const fn free(&self) -> u8 {
+        Self::CAPACITY.saturating_sub(self.count)
     }
 
     /// The velocity that is in force behind all moves.

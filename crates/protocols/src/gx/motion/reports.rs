@@ -72,6 +72,11 @@ impl Reports {
         }
     }
 
+    /// Whether any are wanted.
+    pub(super) const fn is_on(&self) -> bool {
+        self.due != 0 || self.period != 0
+    }
+
     pub(super) fn is_due(&self, now: u32) -> bool {
         self.left(now) == 0
     }

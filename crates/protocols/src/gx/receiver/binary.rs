@@ -46,13 +46,14 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.value = push(self.value, byte);
         self.place = self.place.wrapping_sub(1) & 3;
         if self.place == 0 {
-            return self.value_ends();
+            return self.value_ends(byte);
         }
         self.state &= !DIGITS;
         Step::Taken
     }
 
-    fn value_ends(&mut self) -> Step {
+    /// The end of a value, with its last byte.
+    fn value_ends(&mut self, byte: u8) -> Step {
         let value = unsigned14(self.value);
         match self.state & !FLAGS {
             NUMBER => {
@@ -71,7 +72,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             self.vector.velocity = value;
         } else {
             let axis = self.left.trailing_zeros();
-            let value = if self.start == b'*' { signed7(self.value) } else { signed28(self.value) };
+            let value = if self.start == b'*' { signed7(byte) } else { signed28(self.value) };
             self.left &= self.left.wrapping_sub(1);
             if let Some(place) = self.vector.axes.get_mut(axis as usize) {
                 *place = value;
