@@ -297,8 +297,9 @@ impl<'a> Out<'a> {
     /// At most nine digits, as positions have. By bits of digits: small machines have neither a division nor a table to
     /// spare, and the compiler makes a division of a loop that subtracts.
     fn decimal(&mut self, value: u32) {
-        let (mut rest, mut begun) = (value, false);
-        for left in (0..9_u8).rev() {
+        let (mut rest, places) = if value < 100_000 { (value.wrapping_mul(10_000), 5) } else { (value, 9) };
+        let mut begun = false;
+        for left in (0..places).rev() {
             let (mut digit, mut unit) = (0, 800_000_000);
             for _ in 0..4 {
                 digit <<= 1;
@@ -308,7 +309,7 @@ impl<'a> Out<'a> {
                 }
                 unit >>= 1;
             }
-            begun |= digit != 0 || left == 0;
+            begun |= digit != 0 || left == 0_u8;
             if begun {
                 self.byte(b'0' | digit);
             }

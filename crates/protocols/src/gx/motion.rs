@@ -145,33 +145,31 @@ impl<const QUEUE: usize> Motion<QUEUE> {
             self.arrived_at = now;
             self.busy = 1;
         }
-        for (taken, byte) in input.iter().enumerate() {
-            if !self.receive_byte(*byte) {
-                return taken;
+        let mut rest = input;
+        while let Some((byte, behind)) = rest.split_first().filter(|_| self.has_room()) {
+            if self.receive_byte(*byte) {
+                rest = behind;
             }
         }
-        input.len()
+        input.len().wrapping_sub(rest.len())
     }
 
-    /// Takes a byte, if there is room for what that brings about.
+    /// Receives a byte, and deals with what it ends; returns whether it was taken. There has to be room.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn receive_byte(&mut self, byte: u8) -> bool {
-        loop {
-            if !self.has_room() {
+        match self.receiver.receive_byte(byte) {
+            Step::Taken => {}
+            Step::Done(kind) => self.handle(kind),
+            Step::Before(kind) => {
+                self.handle(kind);
                 return false;
             }
-            match self.receiver.receive_byte(byte) {
-                Step::Taken => break,
-                Step::Done(kind) => {
-                    self.handle(kind);
-                    break;
-                }
-                Step::Before(kind) => self.handle(kind),
-            }
         }
-        let was_escape = self.escaped != 0;
-        self.escaped = (byte == ESC).into();
-        if was_escape && byte == ESC {
+        if byte != ESC {
+            self.escaped = 0;
+        } else if self.escaped == 0 {
+            self.escaped = 1;
+        } else {
             self.order.close();
         }
         true
