@@ -255,6 +255,20 @@ static void early_reports_show_nothing(void)
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
 }
 
+/* A controller that no request reaches. */
+static void standing_elsewhere_shows_nothing(void)
+{
+    int i;
+    begin();
+    dp_host_move(&host, &TARGET);
+    for (i = 0; i < 4; ++i) {
+        CHECK(sends("M"));
+        pass(250);
+        comes_report(DP_STATUS_IDLE, 0);
+    }
+    CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
+}
+
 static void is_cancelled(void)
 {
     begin(); /* before it was sent */
@@ -389,6 +403,7 @@ int main(void)
     refusal_of_a_repeat_is_doubted();
     reports_show_that_it_goes_on();
     early_reports_show_nothing();
+    standing_elsewhere_shows_nothing();
     is_cancelled();
     is_not_repeated_behind_its_cancelling();
     is_taken_back();
