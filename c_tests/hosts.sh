@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Hosts other than this one: builds the library for each that is named, and runs the C tests linked statically to it in
 # an emulator; or, for those without one, compiles it. The same for the program `deltarobot`, but not for aarch64 and
-# s390x. By default all.
+# s390x. By default all. windows-serve is `deltarobot ui` and what it serves, which takes minutes to compile.
 #
-#   c_tests/hosts.sh [i686|aarch64|s390x|windows|TARGET]...
+#   c_tests/hosts.sh [i686|aarch64|s390x|windows|windows-serve|TARGET]...
 #
 # Debian's packages: qemu-user, wine64, gcc and g++ of each (gcc-s390x-linux-gnu, gcc-mingw-w64-x86-64-win32...), and
 # for a compiler that has no core library for them, but its source, rustc-web and rust-web-src.
@@ -40,11 +40,13 @@ build() {
     (use_compiler "$2" && make lib OUT="target/hosts/$1" CARGO_DIR=target/hosts/.cargo DP_TARGET="$2" CROSS_COMPILE="$3")
 }
 
-# program TARGET build|check: the program; where the core library has to be compiled, all of std has to.
+# program TARGET build|check [PACKAGE NAME OPTION...]: the program, or another; where the core library has to be
+# compiled, all of std has to.
 program() {
     use_compiler "$1"
     [ -z "${CARGO_UNSTABLE_BUILD_STD:-}" ] || export CARGO_UNSTABLE_BUILD_STD=std,panic_abort
-    cargo "$2" --quiet -p deltarobot-cli --bin deltarobot --target "$1" --target-dir target/hosts/.cargo
+    cargo "$2" --quiet -p "${3:-deltarobot-cli}" --bin "${4:-deltarobot}" "${@:5}" \
+        --target "$1" --target-dir target/hosts/.cargo
 }
 
 # run HOST PREFIX RUNNER: what needs the programs of this machine besides is left out.
@@ -54,8 +56,9 @@ run() {
         --skip sizes_256_32 --skip sizes_512_255 "${@:4}"
 }
 
-wine_run() {
-    local out=$PWD/target/hosts
+wine_start() {
+    out=$PWD/target/hosts
+    programs=$out/.cargo/x86_64-pc-windows-gnu/debug
     wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
     server=$(command -v wineserver || echo /usr/lib/wine/wineserver)
     export WINEPREFIX="$out/wine" WINEDEBUG=-all
@@ -63,6 +66,12 @@ wine_run() {
     trap '"$server" -k || true' EXIT
     # What is first called starts services that keep its output open.
     "$wine" reg query HKLM >/dev/null 2>&1
+    # Wine does not have what std takes random numbers from.
+    x86_64-w64-mingw32-gcc -shared -Wall -Wextra -Werror -o "$programs/bcryptprimitives.dll" \
+        c_tests/cli/bcryptprimitives.c -ladvapi32
+}
+
+wine_run() {
     run windows x86_64-w64-mingw32- "$wine" --skip serial::serial >"$out/windows.log" 2>&1 || { cat "$out/windows.log" && return 1; }
     grep '^test result' "$out/windows.log"
 
@@ -83,10 +92,7 @@ wine_run() {
 
 # The program in wine, which finds the simulator at a port of TCP, and the one of this machine at COM5.
 wine_program() {
-    local out=$PWD/target/hosts program=$PWD/target/hosts/.cargo/x86_64-pc-windows-gnu/debug/deltarobot.exe watching
-    # Wine does not have what std takes random numbers from.
-    x86_64-w64-mingw32-gcc -shared -Wall -Wextra -Werror -o "${program%/*}/bcryptprimitives.dll" \
-        c_tests/cli/bcryptprimitives.c -ladvapi32
+    local program=$programs/deltarobot.exe watching
     cargo build --quiet -p deltarobot-cli --bin deltarobot
     "$wine" reg query HKLM >/dev/null 2>&1
     c_tests/cli/session.sh "$wine" "$program"
@@ -107,6 +113,26 @@ wine_program() {
     kill "$sim"
     wait "$watching" && fail "a port that has gone is watched"
     grep 'COM5: disconnected' "$out/monitor"
+}
+
+# `deltarobot ui` in wine, which gives the address to a stand-in of this machine's browser.
+wine_serve() {
+    local serving url
+    mkdir -p "$out/browser"
+    rm -f "$out/opened"
+    printf '#!/bin/sh\nprintf %%s "$1" >"%s.new" && mv "%s.new" "%s"\n' "$out/opened" "$out/opened" "$out/opened" \
+        >"$out/browser/xdg-open"
+    chmod +x "$out/browser/xdg-open"
+    set -m
+    BROWSER='' PATH="$out/browser:$PATH" "$wine" "$programs/deltarobot-ui.exe" --sim &
+    serving=$!
+    until [ -e "$out/opened" ]; do kill -0 "$serving" && sleep 0.1; done
+    url=$(cat "$out/opened")
+    curl -fsS "${url}api/robots/sim1" | grep -q '"link":"up"' || fail "there is no robot at $url"
+    curl -fsS -X POST "${url}api/robots/sim1/home" | grep -q '"outcome":"finished"' || fail "the robot is not homed"
+    curl -fsS "$url" | grep -q '<title>' || fail "there is no page at $url"
+    kill -INT "$serving"
+    wait "$serving" || fail "Ctrl-C: status $?"
 }
 
 [ $# -gt 0 ] || set -- i686 aarch64 s390x windows x86_64-apple-darwin aarch64-apple-darwin x86_64-unknown-freebsd \
@@ -131,7 +157,11 @@ for host; do
         windows)
             build windows x86_64-pc-windows-gnu x86_64-w64-mingw32-
             (program x86_64-pc-windows-gnu build)
-            (wine_run; wine_program) ;;
+            (wine_start; wine_run; wine_program) ;;
+        windows-serve)
+            # With the page in it, as a release has it.
+            (program x86_64-pc-windows-gnu build deltarobot-serve deltarobot-ui --features rust-embed/debug-embed)
+            (wine_start; wine_serve) ;;
         *-*)
             (use_compiler "$host" && cargo check --quiet --release --lib --no-default-features \
                 --features panic-handler,serial --target "$host" --target-dir target/hosts/.cargo)

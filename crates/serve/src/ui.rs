@@ -69,13 +69,24 @@ fn name_of(port: &Path) -> Result<config::Name, Failure> {
     config::Name::try_from(if name.is_empty() { "robot".to_owned() } else { name }).map_err(Failure::Usage)
 }
 
-/// Opens the page in `$BROWSER`, or has the system do it. The address was printed, so that a person can do it as well.
+/// Opens the page. The address was printed, so that a person can do it as well.
 fn show(url: &str) {
-    let system = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let opener = env::var_os("BROWSER").filter(|name| !name.is_empty()).unwrap_or_else(|| system.into());
-    let started =
-        Command::new(&opener).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    if let Err(error) = started {
-        complain(&format!("{}: {error}; open {url} in a browser", opener.display()));
+    let mut browser = browser();
+    if let Err(error) = browser.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn() {
+        complain(&format!("{}: {error}; open {url} in a browser", browser.get_program().display()));
     }
+}
+
+/// What opens an address that it is given: `$BROWSER`, or what the system has for that.
+fn browser() -> Command {
+    if let Some(named) = env::var_os("BROWSER").filter(|name| !name.is_empty()) {
+        return Command::new(named);
+    }
+    if cfg!(windows) {
+        // Unlike `start`, a command of the shell's, it takes any address as it is.
+        let mut system = Command::new("rundll32");
+        system.arg("url.dll,FileProtocolHandler");
+        return system;
+    }
+    Command::new(if cfg!(target_os = "macos") { "open" } else { "xdg-open" })
 }
