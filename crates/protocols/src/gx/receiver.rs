@@ -118,7 +118,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         self.begin_call();
         while let Some((byte, mut behind)) = rest.split_first() {
             let step = match self.state {
-                state if state & *byte & HIGH != 0 => self.packed(*byte),
+                state if WIDE && state & *byte & HIGH != 0 => self.packed(*byte),
                 IDLE if WIDE => self.begin(*byte),
                 _ => self.step(*byte),
             };
