@@ -41,7 +41,7 @@
 use core::ffi::{c_char, c_int, c_ulong, c_void};
 use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 
-use super::line_protocol::encoder::{keep, resume};
+use super::line_protocol::encoder::edit;
 use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS};
 use super::memory::{bytes_of, duration, int, text_of, time};
@@ -55,7 +55,7 @@ use zerocopy::FromBytes;
 mod serve;
 mod table;
 
-use serve::{send, serve};
+use serve::{is_welcomed, send, serve};
 use table::{check, device_of};
 
 /// Length of the longest id that a device behind a link may have.
@@ -138,7 +138,7 @@ pub struct DeviceTable {
 }
 
 /// Words of a device, with some room to spare.
-pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 35;
+pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 41;
 
 /// The device's end of a link. All zero is one that `olp_device_init` has not made yet.
 #[derive(Debug)]
@@ -280,8 +280,9 @@ pub unsafe extern "C" fn olp_device_linksetup(
     }
 }
 
-/// Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
-/// line, no more are taken. Not for interrupts that may come during another call on the same device.
+/// Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
+/// `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
+/// come during another call on the same device.
 ///
 /// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
 /// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
@@ -299,13 +300,11 @@ pub unsafe extern "C" fn olp_device_receive(
     bytes: c_int,
     now_ms: c_ulong,
 ) -> c_int {
+    let _ = now_ms;
     // SAFETY: buf is NULL or has so many bytes; the device is not NULL, and nobody else touches it meanwhile.
     unsafe {
         match (bytes_of(buf, bytes), ready(device)) {
-            (Some(input), Some(state)) => {
-                (*state).link.tick(time(now_ms));
-                int((*state).receiver.take(input))
-            }
+            (Some(input), Some(state)) => int((*state).receiver.take(input)),
             _ => -OLP_RC_ERROR_GENERIC,
         }
     }
@@ -328,17 +327,10 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
     let Some(state) = ready(device) else { return OLP_RC_ERROR_GENERIC };
     // SAFETY: a device that is ready has a good table; serve() holds no reference to it while callbacks run.
     unsafe {
-        if (*state).serving != 0 {
-            return OLP_RC_BUSY;
+        if (*state).greeted != 0 && !(*state).receiver.has_ended() && !(*state).link.is_behind(time(now_ms)) {
+            return if (*state).serving == 0 { OLP_RC_NO_EVENT } else { OLP_RC_BUSY };
         }
-        (*state).link.tick(time(now_ms));
-        if (*state).greeted != 0 && !(*state).receiver.has_ended() {
-            return OLP_RC_NO_EVENT;
-        }
-        (*state).serving = 1;
-        let rc = serve(state, time(now_ms));
-        (*state).serving = 0;
-        rc
+        serve(state, time(now_ms))
     }
 }
 
@@ -363,21 +355,20 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
     let Some(state) = ready(device) else { return OLP_RC_ERROR_GENERIC };
     // SAFETY: a device that is ready has a good table; id is NULL or a string, and event's buffer is still there.
     unsafe {
-        let table = &*(*state).table();
-        let known = text_of(id).and_then(|id| device_of(table, Value::new(id)));
-        let (Some(id), Some(event)) = (known, event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
-        #[allow(clippy::unnecessary_fallible_conversions, reason = "an int may have 16 bits")]
-        let welcomed = c_int::try_from((*state).welcomed).unwrap_or(c_int::MAX);
-        if welcomed < table.device_count {
+        let (Some(id), Some(event)) = (text_of(id), event.as_mut()) else { return OLP_RC_ERROR_GENERIC };
+        let info = device_of((*state).table(), Value::new(id));
+        if info.is_null() {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        if !is_welcomed(state) {
             return OLP_RC_BUSY;
         }
-        let Some(mut line) = resume(event) else { return event.error };
-        let written = (*state).link.finish_event(&mut line, id);
-        keep(event, &line);
-        let rc = event.error;
-        if let Ok(length) = written {
+        let id = text_of((*info).id).unwrap_or_default();
+        let mut written = 0;
+        let rc = edit(event, &mut |line| written = (*state).link.finish_event(line, id));
+        if written != 0 {
             event.error = OLP_RC_ERROR_GENERIC;
-            send(state, event.buf.cast(), length);
+            send(state, event.buf.cast(), written);
         }
         rc
     }

@@ -68,7 +68,7 @@ extern "C" {
 /** Length of the longest id that a device behind a link may have. */
 #define OLP_ID_MAX 10
 /** Words of a device, with some room to spare. */
-#define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 35)
+#define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 41)
 
 /** The device's end of a link. All zero is one that `olp_device_init` has not made yet. */
 struct olp_device {
@@ -219,8 +219,9 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
     OLP_SIZED("olp_device_linksetup");
 
 /**
- * Takes received bytes, up to the end of a line; `now_ms` is when they came. Until `olp_device_poll` has answered that
- * line, no more are taken. Not for interrupts that may come during another call on the same device.
+ * Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
+ * `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
+ * come during another call on the same device.
  *
  * Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
  * -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL

@@ -7,12 +7,12 @@
 use core::ffi::c_int;
 use core::mem::MaybeUninit;
 
-use super::table::{command_of, device_of, devices, first_id, welcome};
-use super::{Command, State};
+use super::table::{command_of, device_of, write_welcome};
+use super::{Command, DeviceInfo, State};
 use crate::line_protocol::message::view;
-use crate::line_protocol::{LineEncoder, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
+use crate::line_protocol::{LineEncoder, OLP_RC_BUSY, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
 use crate::memory::{int, text_of, zero};
-use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, Request, is_id, is_setup};
+use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, is_setup};
 use deltarobot_protocols::line::{Message, Received};
 
 /// Does the one thing that comes next.
@@ -20,27 +20,46 @@ use deltarobot_protocols::line::{Message, Received};
 /// # Safety
 ///
 /// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
-        let table = (*device).table();
-        let welcomed = usize::from((*device).welcomed);
-        if let Some(info) = devices(&*table).get(welcomed) {
-            (*device).welcomed = (*device).welcomed.wrapping_add(1);
+        if (*device).serving != 0 {
+            return OLP_RC_BUSY;
+        }
+        (*device).link.tick(now);
+        (*device).serving = 1;
+        let mut rc = OLP_RC_SUCCESS;
+        let welcomed = (*device).welcomed;
+        if !is_welcomed(device) {
+            (*device).welcomed = welcomed.wrapping_add(1);
             let room = (*device).link.room();
-            let length = welcome(info).as_ref().and_then(|welcome| welcome.write(room).ok()).unwrap_or_default();
+            let length = write_welcome((*(*device).table()).devices.add(welcomed.into()), room);
             let line = room.as_ptr();
             send(device, line, length);
-            return OLP_RC_SUCCESS;
-        }
-        if (*device).announces != 0 {
+        } else if (*device).announces != 0 {
             (*device).announces = 0;
-            send_link_line(device, LinkLine::Setup((*device).setup), first_id(table));
-            return OLP_RC_SUCCESS;
+            (*device).link.set_up((*device).setup);
+            speak_for(device, (*(*device).table()).devices);
+            send_link_line(device, LinkLine::Setup);
+        } else {
+            (*device).greeted = 1;
+            rc = answer_line(device, now);
         }
-        (*device).greeted = 1;
-        answer_line(device, now)
+        (*device).serving = 0;
+        rc
     }
+}
+
+/// Whether all devices were welcomed.
+///
+/// # Safety
+///
+/// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
+    // SAFETY: as the contract of this function asks.
+    unsafe { usize::from((*device).welcomed) >= usize::try_from((*(*device).table()).device_count).unwrap_or_default() }
 }
 
 /// Answers the line that was received, if there is one.
@@ -55,17 +74,19 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // received before.
     unsafe {
         let receiver = &raw const (*device).receiver;
-        let message = match (*receiver).received() {
+        let rc = match (*receiver).received() {
             Received::Nothing => return OLP_RC_NO_EVENT,
-            Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
-            Received::TooLong => Err(Fault::Overflow),
-        };
-        let accepted = message.and_then(|message| Ok((message, (*device).link.accept(&message, now)?)));
-        let rc = match &accepted {
-            Ok((message, request)) => answer(device, message, request),
-            Err(fault) => {
-                send_link_line(device, LinkLine::Fault(*fault, None), first_id((*device).table()));
-                OLP_RC_SUCCESS
+            Received::TooLong => reject(device, Fault::Overflow),
+            Received::Line(line) => {
+                if let Ok(message) = &Message::parse(line) {
+                    if let Err(fault) = (*device).link.accept(message, now) {
+                        reject(device, fault)
+                    } else {
+                        answer(device, message)
+                    }
+                } else {
+                    reject(device, Fault::Malformed)
+                }
             }
         };
         if (*device).serving != 0 {
@@ -75,40 +96,73 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     }
 }
 
+/// Reports a line that is not an intact command.
+///
+/// # Safety
+///
+/// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        speak_for(device, (*(*device).table()).devices);
+        send_link_line(device, LinkLine::Event(fault));
+    }
+    OLP_RC_SUCCESS
+}
+
 /// Answers an intact command.
 ///
 /// # Safety
 ///
 /// See above.
-unsafe fn answer(device: *mut State, message: &Message, request: &Request) -> c_int {
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn answer(device: *mut State, message: &Message) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
         let table = (*device).table();
-        let asked = message.get(b"id").unwrap_or_default();
-        let known = device_of(&*table, asked);
-        let id = known.unwrap_or_else(|| Some(asked.raw()).filter(|id| is_id(id)).unwrap_or_default());
-        let sets_up = known.is_some() && is_setup(message);
+        let asked = message.text(b"id");
+        let known = device_of(table, asked);
+        if known.is_null() {
+            (*device).link.speak_for(asked.raw());
+        } else {
+            speak_for(device, known);
+        }
+        let sets_up = !known.is_null() && is_setup(message);
         if sets_up {
             (*device).link.change_setup(message);
         }
-        send_link_line(device, LinkLine::Ack(request), id);
+        send_link_line(device, LinkLine::Ack);
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
-        if known.is_none() {
-            send_link_line(device, LinkLine::Fault(Fault::UnknownId, Some(request)), id);
+        let line = if known.is_null() {
+            LinkLine::Answer(Fault::UnknownId)
         } else if sets_up {
-            send_link_line(device, LinkLine::SetupAnswer(message), id);
-        } else if let Some(again) = (*device).link.repeated(request) {
+            LinkLine::SetupAnswer
+        } else if let Some(again) = (*device).link.repeated() {
             let (line, length) = (again.as_ptr(), again.len());
             send(device, line, length);
-        } else if let Some(command) = command_of(&*table, asked, message.command()) {
-            return execute(device, command, message, request, id);
+            return OLP_RC_SUCCESS;
+        } else if let Some(command) = command_of(table, asked, message.command()) {
+            return execute(device, command, message);
         } else {
-            send_link_line(device, LinkLine::Fault(Fault::UnknownCommand, Some(request)), id);
-        }
+            LinkLine::Answer(Fault::UnknownCommand)
+        };
+        send_link_line(device, line);
     }
     OLP_RC_SUCCESS
+}
+
+/// The lines of the link that follow are of that device.
+///
+/// # Safety
+///
+/// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn speak_for(device: *mut State, info: *const DeviceInfo) {
+    // SAFETY: as the contract of this function asks.
+    unsafe { (*device).link.speak_for(text_of((*info).id).unwrap_or_default()) }
 }
 
 /// Has a command executed, and answers it.
@@ -116,24 +170,29 @@ unsafe fn answer(device: *mut State, message: &Message, request: &Request) -> c_
 /// # Safety
 ///
 /// See above.
-unsafe fn execute(device: *mut State, command: &Command, message: &Message, request: &Request, id: &[u8]) -> c_int {
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
     unsafe {
-        let (room, length) = (*device).link.begin(text_of(command.name).unwrap_or_default());
+        let length = (*device).link.begin(text_of(command.name).unwrap_or_default());
+        let room = (*device).link.room();
         let (buf, cap) = (room.as_mut_ptr().cast(), int(room.len()));
         let mut answer = LineEncoder { buf, cap, length: int(length), error: OLP_RC_SUCCESS };
         let refused = command.run.is_none_or(|run| run(&raw const view, &raw mut answer, (*device).usr()) != 0);
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
-        let written = match usize::try_from(answer.length) {
-            _ if refused => Err(Fault::Refused),
-            Ok(length) if answer.error == OLP_RC_SUCCESS => Ok(length),
-            _ => Err(Fault::TooLong),
-        };
-        let (line, fault) = (*device).link.finish(request, id, written);
-        let (line, length) = (line.as_ptr(), line.len());
+        let mut fault = None;
+        if refused {
+            fault = Some(Fault::Refused);
+        } else if answer.error != OLP_RC_SUCCESS {
+            fault = Some(Fault::TooLong);
+        }
+        // A length below 0 is too long.
+        let written = usize::try_from(answer.length).unwrap_or(usize::MAX);
+        let (length, fault) = (*device).link.finish(written, fault);
+        let line = (*device).link.room().as_ptr();
         send(device, line, length);
         match (fault, answer.error) {
             (Some(Fault::TooLong), OLP_RC_SUCCESS) => OLP_RC_TOO_LONG,
@@ -149,12 +208,12 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, requ
 ///
 /// See above.
 #[inline(never)]
-unsafe fn send_link_line(device: *mut State, line: LinkLine<'_>, id: &[u8]) {
+unsafe fn send_link_line(device: *mut State, line: LinkLine) {
     let mut room = MaybeUninit::<[u8; LINK_LINE_MAX]>::uninit();
     // SAFETY: see above; zero is a value of such arrays.
     unsafe {
         zero(room.as_mut_ptr());
-        let length = (*device).link.write(line, id, room.assume_init_mut());
+        let length = (*device).link.write(line, room.assume_init_mut());
         send(device, room.as_ptr().cast(), length);
     }
 }
@@ -162,6 +221,7 @@ unsafe fn send_link_line(device: *mut State, line: LinkLine<'_>, id: &[u8]) {
 /// # Safety
 ///
 /// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     // SAFETY: as the contract of this function asks.
     let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };

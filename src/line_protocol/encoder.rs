@@ -9,7 +9,7 @@ use super::{
 };
 use crate::memory::{bytes_of, int, room_of, text_of};
 use deltarobot_export::export;
-use deltarobot_protocols::line::{EncodeError, Encoder};
+use deltarobot_protocols::line::{EncodeError, Encoder, Integer, zeros};
 
 /// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
 ///
@@ -77,7 +77,7 @@ pub unsafe extern "C" fn olp_begin_command(
 #[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { add_text(encoder, name, text_of(text)) }
+    unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
 /// Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn olp_add_bytes(
     length: c_int,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { add_text(encoder, name, bytes_of(text, length)) }
+    unsafe { add(encoder, name, bytes_of(text, length), add_text) }
 }
 
 /// Adds a value that is encoded already, such as one of a received line: unchanged.
@@ -116,14 +116,8 @@ pub unsafe extern "C" fn olp_add_raw(
     value: *const c_char,
     length: c_int,
 ) -> c_int {
-    // SAFETY: value is NULL or points to so many bytes.
-    let value = unsafe { bytes_of(value.cast(), length) };
-    // SAFETY: add()'s contract is this function's.
-    unsafe {
-        add(encoder, name, value.is_some(), &mut |line, name| {
-            line.raw(name, value.unwrap_or_default());
-        })
-    }
+    // SAFETY: value is NULL or points to so many bytes; add()'s contract is this function's.
+    unsafe { add(encoder, name, bytes_of(value.cast(), length), |line, name, value| _ = line.raw(name, value)) }
 }
 
 /// Adds an integer, in decimal.
@@ -136,11 +130,7 @@ pub unsafe extern "C" fn olp_add_raw(
 #[export]
 pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_char, value: c_long) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe {
-        add(encoder, name, true, &mut |line, name| {
-            line.int(name, value);
-        })
-    }
+    unsafe { add(encoder, name, Some(value.write(&mut zeros())), add_text) }
 }
 
 /// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
@@ -162,9 +152,8 @@ pub unsafe extern "C" fn olp_add_float(
     let decimals = u8::try_from(decimals).unwrap_or(u8::MAX);
     // SAFETY: as the contract of this function asks.
     unsafe {
-        add(encoder, name, true, &mut |line, name| {
-            line.float(name, value, decimals);
-        })
+        add(encoder, name, Some(&[]), add_text);
+        edit(encoder, &mut |line| _ = line.fixed(value, decimals))
     }
 }
 
@@ -183,9 +172,8 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
     let value = u16::from_le_bytes([low, high]);
     // SAFETY: as the contract of this function asks.
     unsafe {
-        add(encoder, name, true, &mut |line, name| {
-            line.hex(name, value);
-        })
+        add(encoder, name, Some(&[]), add_text);
+        edit(encoder, &mut |line| line.put_hex(value))
     }
 }
 
@@ -204,17 +192,14 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 #[export]
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
-    // SAFETY: as the contract of this function asks.
-    if let Some(mut line) = unsafe { resume(encoder) } {
+    unsafe {
         // What it says is kept.
-        let _ = line.finish(checksum != 0);
-        keep(encoder, &line);
+        let code = edit(encoder, &mut |line| _ = line.finish(checksum != 0));
+        let Some(encoder) = encoder.as_mut() else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
+        encoder.error = OLP_RC_ERROR_GENERIC;
+        // Below 0, whatever an encoder that was never begun holds: nobody shall take it for a length.
+        if code == OLP_RC_SUCCESS { encoder.length } else { code.saturating_abs().wrapping_neg() }
     }
-    let code = encoder.error;
-    encoder.error = OLP_RC_ERROR_GENERIC;
-    // Below 0, whatever an encoder that was never begun holds: nobody shall take it for a length.
-    if code == OLP_RC_SUCCESS { encoder.length } else { code.saturating_abs().wrapping_neg() }
 }
 
 /// # Safety
@@ -228,79 +213,66 @@ unsafe fn begin(
     command: *const c_char,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
-    *encoder = LineEncoder { buf, cap: cap.min(limit), length: 0, error: OLP_RC_ERROR_GENERIC };
-    // SAFETY: as the contract of this function asks.
-    let (room, command) = unsafe { (room_of(buf.cast(), cap.min(limit.saturating_add(1))), text_of(command)) };
-    // From here on these are bytes that can be read, and those behind the line are zero.
-    for place in room.unwrap_or_default() {
-        place.write(0);
-    }
-    // SAFETY: as the contract of this function asks.
-    if let (Some(room), Some(command)) = (unsafe { room_for(encoder) }, command) {
-        keep(encoder, &Encoder::begin(room, command));
-    }
-    encoder.error
-}
-
-/// Adds a parameter of that name as `put` does, or fails if its value is not `given`.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
-unsafe fn add(
-    encoder: *mut LineEncoder,
-    name: *const c_char,
-    given: bool,
-    put: &mut dyn FnMut(&mut Encoder<'_>, &[u8]),
-) -> c_int {
-    // SAFETY: the objects of one call don't overlap; name is NULL or a string.
-    let (Some(encoder), name) = (unsafe { (encoder.as_mut(), text_of(name)) }) else { return OLP_RC_ERROR_GENERIC };
-    // SAFETY: the encoder was begun, or its error says that it was not.
-    if let Some(mut line) = unsafe { resume(encoder) } {
-        if let (Some(name), true) = (name, given) {
-            put(&mut line, name);
-            keep(encoder, &line);
-        } else {
-            line.abort();
-            encoder.error = OLP_RC_ERROR_GENERIC;
-        }
-    }
-    encoder.error
-}
-
-/// Adds a text, if there is one.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
-unsafe fn add_text(encoder: *mut LineEncoder, name: *const c_char, text: Option<&[u8]>) -> c_int {
-    // SAFETY: the same contract.
     unsafe {
-        add(encoder, name, text.is_some(), &mut |line, name| {
-            line.text(name, text.unwrap_or_default());
+        let Some(encoder) = encoder.as_mut() else { return OLP_RC_ERROR_GENERIC };
+        *encoder = LineEncoder { buf, cap: cap.min(limit), length: 0, error: OLP_RC_ERROR_GENERIC };
+        // From here on these are bytes that can be read, and those behind the line are zero.
+        for place in room_of(buf.cast(), cap.min(limit.saturating_add(1))).unwrap_or_default() {
+            place.write(0);
+        }
+        if let Some(command) = text_of(command) {
+            encoder.error = OLP_RC_SUCCESS;
+            edit(encoder, &mut |line| line.start(command));
+        }
+        encoder.error
+    }
+}
+
+/// How a value is added.
+type Put = fn(&mut Encoder<'_>, &[u8], &[u8]);
+
+fn add_text(line: &mut Encoder<'_>, name: &[u8], text: &[u8]) {
+    line.text(name, text);
+}
+
+/// Adds a parameter, or fails if there is no name or no value.
+///
+/// # Safety
+///
+/// As for [`olp_add_string`].
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8]>, put: Put) -> c_int {
+    // SAFETY: name is NULL or a string; edit()'s contract is this function's.
+    unsafe {
+        let name = text_of(name);
+        edit(encoder, &mut |line| match (name, value) {
+            (Some(name), Some(value)) => put(line, name, value),
+            _ => line.abort(),
         })
     }
 }
 
-/// The line that an encoder is at, if nothing has failed. It has failed, too, if it was never begun.
+/// Goes on with a line, unless it has failed, or was never begun.
 ///
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-pub(crate) unsafe fn resume<'a>(encoder: &mut LineEncoder) -> Option<Encoder<'a>> {
-    if encoder.error != OLP_RC_SUCCESS {
-        return None;
-    }
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub(crate) unsafe fn edit(encoder: *mut LineEncoder, edit: &mut dyn FnMut(&mut Encoder<'_>)) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let line = match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
-        (Ok(length), Some(room)) => Some(Encoder::resume(room, length)),
-        _ => None,
-    };
-    if line.is_none() {
-        encoder.error = OLP_RC_ERROR_GENERIC;
+    let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
+    if encoder.error == OLP_RC_SUCCESS {
+        // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
+        match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
+            (Ok(length), Some(room)) => {
+                let mut line = Encoder::resume(room, length);
+                edit(&mut line);
+                keep(encoder, &line);
+            }
+            _ => encoder.error = OLP_RC_ERROR_GENERIC,
+        }
     }
-    line
+    encoder.error
 }
 
 /// The buffer of a line, as far as the line may reach.
@@ -315,14 +287,16 @@ unsafe fn room_for<'a>(encoder: &LineEncoder) -> Option<&'a mut [u8]> {
 }
 
 /// Keeps how far a line is.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
-pub(crate) fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
+fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
     encoder.length = int(line.length());
-    encoder.error = match line.error() {
-        None => OLP_RC_SUCCESS,
-        Some(EncodeError::Name) => OLP_RC_NAME,
-        Some(EncodeError::Malformed) => OLP_RC_MALFORMED,
-        Some(EncodeError::Range) => OLP_RC_RANGE,
-        Some(EncodeError::TooLong) => OLP_RC_TOO_LONG,
-    };
+    encoder.error = line.error().map_or(OLP_RC_SUCCESS, |error| (error as u8).into());
 }
+
+// The codes of C are those of the core.
+const _: () = {
+    assert!(EncodeError::Aborted as c_int == OLP_RC_ERROR_GENERIC);
+    assert!(EncodeError::Malformed as c_int == OLP_RC_MALFORMED);
+    assert!(EncodeError::TooLong as c_int == OLP_RC_TOO_LONG);
+    assert!(EncodeError::Range as c_int == OLP_RC_RANGE);
+    assert!(EncodeError::Name as c_int == OLP_RC_NAME);
+};

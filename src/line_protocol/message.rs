@@ -8,7 +8,7 @@ use super::{
 };
 use crate::memory::{bytes_of, int, text_of};
 use deltarobot_export::export;
-use deltarobot_protocols::line::{Checksum, Malformed, Message, Param, Params};
+use deltarobot_protocols::line::{Checksum, Malformed, Message, Param, Params, Value};
 
 /// Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
 /// without `=` has an empty value; nothing between two `&` is no parameter.
@@ -80,11 +80,8 @@ pub unsafe extern "C" fn olp_find(
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
-        match find(message, name, occurrence) {
-            Ok(found) => give(Some(found), param),
-            Err(OLP_RC_NOT_FOUND) => give(None, param),
-            Err(code) => code,
-        }
+        let (Some(params), Some(name)) = (params_of(message), text_of(name)) else { return OLP_RC_ERROR_GENERIC };
+        give(usize::try_from(occurrence).ok().and_then(|occurrence| params.find_named(name, occurrence)), param)
     }
 }
 
@@ -114,20 +111,23 @@ unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
     }
 }
 
+/// The value of a parameter, or why there is none.
+///
 /// # Safety
 ///
 /// As for [`olp_find`].
-pub(super) unsafe fn find<'a>(
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub(super) unsafe fn value<'a>(
     message: *const LineMessage,
     name: *const c_char,
     occurrence: c_int,
-) -> Result<Param<'a>, c_int> {
+) -> Result<Value<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
     let (Some(params), Some(name)) = (unsafe { (params_of(message), text_of(name)) }) else {
         return Err(OLP_RC_ERROR_GENERIC);
     };
     let occurrence = usize::try_from(occurrence).map_err(|_| OLP_RC_NOT_FOUND)?;
-    params.find_named(name, occurrence).ok_or(OLP_RC_NOT_FOUND)
+    params.value(name, occurrence).ok_or(OLP_RC_NOT_FOUND)
 }
 
 /// Hands a parameter to C.

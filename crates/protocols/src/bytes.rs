@@ -282,28 +282,42 @@ pub fn copy_and_add_up<T>(mut sum: u8, from: &[u8], to: &mut [T], item: impl Fn(
     sum
 }
 
-/// Fletcher's two sums in one, second above first and each modulo 255, of those before `sum` and as many more bytes as
-/// are taken in words; the bytes that are left. None of the sums that go on from there is 0.
+/// Fletcher's two sums in one, second above first and each modulo 255, of those before `sum` and more bytes. 0 is 255,
+/// unless it was 0 before.
 #[inline(always)]
 #[must_use]
-pub fn fletcher_words(sum: u16, bytes: &[u8]) -> (u16, &[u8]) {
-    let (words, rest) = bytes.as_chunks::<WORD>();
-    if !WIDE || words.is_empty() {
-        return (sum, bytes);
-    }
-    let [second, first] = sum.to_be_bytes();
-    let (mut first, mut second) = (u32::from(first), u32::from(second));
-    // Sums of 5,802 bytes would still fit.
-    for block in words.chunks(512) {
-        for word in block {
-            let (plain, weighted) = fletcher_word(*word);
-            second = second.wrapping_add(first.wrapping_mul(8)).wrapping_add(weighted);
-            first = first.wrapping_add(plain);
+pub fn fletcher(sum: u16, bytes: &[u8]) -> u16 {
+    let [mut second, mut first] = sum.to_be_bytes();
+    if WIDE {
+        let (mut sums, mut more) = (u32::from(first), u32::from(second));
+        let (words, rest) = bytes.as_chunks::<WORD>();
+        // Sums of 5,802 bytes would still fit.
+        for block in words.chunks(512) {
+            for word in block {
+                let (plain, weighted) = fletcher_word(*word);
+                more = more.wrapping_add(sums.wrapping_mul(8)).wrapping_add(weighted);
+                sums = sums.wrapping_add(plain);
+            }
+            (sums, more) = (folded(sums), folded(more));
         }
-        (first, second) = (folded(first), folded(second));
+        for byte in rest {
+            sums = sums.wrapping_add(u32::from(*byte));
+            more = more.wrapping_add(sums);
+        }
+        ([first, ..], [second, ..]) = (folded(sums).to_le_bytes(), folded(more).to_le_bytes());
+    } else {
+        for byte in bytes {
+            first = plus(first, *byte);
+            second = plus(second, first);
+        }
     }
-    let ([first, ..], [second, ..]) = (first.to_le_bytes(), second.to_le_bytes());
-    (u16::from_be_bytes([second, first]), rest)
+    u16::from_be_bytes([second, first])
+}
+
+/// Adds in ones' complement: a carry goes back in.
+const fn plus(sum: u8, more: u8) -> u8 {
+    let (sum, carry) = sum.overflowing_add(more);
+    sum.wrapping_add(carry as u8)
 }
 
 /// What a word adds to the first sum, and to the second besides eight times the first: each byte as often as it is in a
@@ -326,6 +340,37 @@ const fn folded(sum: u32) -> u32 {
     let sum = (sum & 0xFF).wrapping_add(sum >> 8);
     let sum = (sum & 0xFF).wrapping_add(sum >> 8);
     (sum & 0xFF).wrapping_add(sum >> 8)
+}
+
+/// Divides a number, whose lowest byte is the first, by ten, and returns what is left. Not by a division where there is
+/// none: that takes a kilobyte of flash on some controllers.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub fn divide_by_ten(number: &mut [u8]) -> u8 {
+    let mut left = 0_u8;
+    for byte in number.iter_mut().rev() {
+        if WIDE {
+            let value = u16::from_be_bytes([left, *byte]);
+            [*byte, left] = [(value / 10).to_le_bytes()[0], (value % 10).to_le_bytes()[0]];
+        } else if left == 0 {
+            // A tenth: 205 / 2048, near enough for a byte.
+            let [_, tenth] = u16::from(*byte).wrapping_mul(205).to_le_bytes();
+            let tenth = tenth >> 3;
+            left = byte.wrapping_sub(tenth.wrapping_mul(10));
+            *byte = tenth;
+        } else {
+            let mut bits = 8_u8;
+            while bits > 0 {
+                left = left << 1 | *byte >> 7;
+                *byte <<= 1;
+                if left >= 10 {
+                    left = left.wrapping_sub(10);
+                    *byte |= 1;
+                }
+                bits = bits.wrapping_sub(1);
+            }
+        }
+    }
+    left
 }
 
 /// How many bytes are in front of the first that is below a limit, of at most 128.

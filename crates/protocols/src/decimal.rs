@@ -31,8 +31,9 @@ struct Digits<'a> {
 /// Room for digits, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or
 /// memcpy, and firmware may have neither.
 #[inline(always)]
-fn zeros() -> [u16; SIZE / 2] {
-    [black_box(0); SIZE / 2]
+#[must_use]
+pub fn zeros<const WORDS: usize>() -> [u16; WORDS] {
+    [black_box(0); WORDS]
 }
 
 impl<'a> Digits<'a> {

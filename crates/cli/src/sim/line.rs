@@ -4,9 +4,7 @@ mod board;
 
 use std::time::Duration;
 
-use deltarobot_protocols::line::device::{
-    self, Fault, LINE_MAX, LINK_LINE_MAX, LinkLine, Request, Setup, is_id, is_setup,
-};
+use deltarobot_protocols::line::device::{self, Fault, LINE_MAX, LINK_LINE_MAX, LinkLine, Setup, is_setup};
 use deltarobot_protocols::line::{Encoder, Message, Received, Receiver};
 
 use super::{Machine, above_zero, milliseconds};
@@ -87,12 +85,16 @@ impl Devices {
 
     fn greet(&mut self, out: &mut Vec<u8>) {
         let mut room = [0; REPLY_MAX];
-        for welcome in board::WELCOMES {
-            let length = welcome.write(&mut room).unwrap_or_default();
+        for (place, device) in (1..).zip(board::DEVICES) {
+            let mut line = Encoder::begin(&mut room, b"welcome");
+            device.welcome(place, &mut line);
+            let length = line.finish(false).unwrap_or_default();
             add(out, &room, length);
         }
         if let Some(setup) = self.setup {
-            let length = self.link.write(LinkLine::Setup(setup), MANAGER, &mut room);
+            self.link.set_up(setup);
+            self.link.speak_for(MANAGER);
+            let length = self.link.write(LinkLine::Setup, &mut room);
             add(out, &room, length);
         }
     }
@@ -104,12 +106,13 @@ impl Devices {
             Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
             Received::TooLong => Err(Fault::Overflow),
         };
-        let accepted = message.and_then(|message| Ok((message, self.link.accept(&message, milliseconds(now))?)));
+        let accepted = message.and_then(|message| self.link.accept(&message, milliseconds(now)).map(|()| message));
         match accepted {
-            Ok((message, request)) => answer(&mut self.link, &mut self.board, &message, &request, out),
+            Ok(message) => answer(&mut self.link, &mut self.board, &message, out),
             Err(fault) => {
                 let mut room = [0; LINK_LINE_MAX];
-                let length = self.link.write(LinkLine::Fault(fault, None), MANAGER, &mut room);
+                self.link.speak_for(MANAGER);
+                let length = self.link.write(LinkLine::Event(fault), &mut room);
                 add(out, &room, length);
             }
         }
@@ -118,54 +121,49 @@ impl Devices {
 }
 
 /// Answers a command that was received intact: first the ack, then the response or an error in its place.
-fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, request: &Request, out: &mut Vec<u8>) {
+fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, out: &mut Vec<u8>) {
     let mut room = [0; REPLY_MAX];
-    let asked = message.get(b"id").unwrap_or_default();
-    let known = board::WELCOMES.iter().map(|welcome| welcome.id).find(|id| asked.is(id));
-    let id = known.unwrap_or(if is_id(asked.raw()) { asked.raw() } else { b"" });
+    let asked = message.text(b"id");
+    let known = board::DEVICES.iter().map(|device| device.id).find(|id| asked.is(id));
+    link.speak_for(known.unwrap_or(asked.raw()));
     let is_setup = known.is_some() && is_setup(message);
     if is_setup {
         link.change_setup(message);
     }
-    let length = link.write(LinkLine::Ack(request), id, &mut room);
+    let length = link.write(LinkLine::Ack, &mut room);
     add(out, &room, length);
 
-    if is_setup {
-        let length = link.write(LinkLine::SetupAnswer(message), id, &mut room);
-        add(out, &room, length);
-    } else if known.is_none() {
-        let length = link.write(LinkLine::Fault(Fault::UnknownId, Some(request)), id, &mut room);
-        add(out, &room, length);
-    } else if let Some(again) = link.repeated(request) {
-        out.extend_from_slice(again);
-    } else if let Some(command) = board::command(id, message) {
-        let mut said = Encoder::begin(&mut room, b"x");
-        let begun = said.length();
-        let result = board.execute(command, message, &mut said);
-        let length = said.length();
-        let params = result.map(|()| room.get(begun..length).unwrap_or_default());
-        out.extend_from_slice(finish(link, request, id, command, params));
-    } else {
-        let length = link.write(LinkLine::Fault(Fault::UnknownCommand, Some(request)), id, &mut room);
-        add(out, &room, length);
-    }
+    let answer = match known {
+        None => LinkLine::Answer(Fault::UnknownId),
+        Some(_) if is_setup => LinkLine::SetupAnswer,
+        Some(id) => {
+            if let Some(again) = link.repeated() {
+                return out.extend_from_slice(again);
+            }
+            if let Some(command) = board::command(id, message) {
+                let mut said = Encoder::begin(&mut room, b"x");
+                let begun = said.length();
+                let result = board.execute(command, message, &mut said);
+                let length = said.length();
+                return finish(link, command, result.map(|()| room.get(begun..length).unwrap_or_default()), out);
+            }
+            LinkLine::Answer(Fault::UnknownCommand)
+        }
+    };
+    let length = link.write(answer, &mut room);
+    add(out, &room, length);
 }
 
 /// Finishes the answer to a command, which has these parameters.
-fn finish<'a>(
-    link: &'a mut DeviceLink,
-    request: &Request,
-    id: &[u8],
-    command: &[u8],
-    params: Result<&[u8], Fault>,
-) -> &'a [u8] {
-    let (room, begun) = link.begin(command);
-    let length = params.and_then(|params| {
+fn finish(link: &mut DeviceLink, command: &[u8], params: Result<&[u8], Fault>, out: &mut Vec<u8>) {
+    let begun = link.begin(command);
+    let written = params.and_then(|params| {
         let end = begun + params.len();
-        room.get_mut(begun..end).ok_or(Fault::TooLong)?.copy_from_slice(params);
+        link.room().get_mut(begun..end).ok_or(Fault::TooLong)?.copy_from_slice(params);
         Ok(end)
     });
-    link.finish(request, id, length).0
+    let (length, _) = link.finish(written.unwrap_or_default(), written.err());
+    add(out, link.room(), length);
 }
 
 fn add(out: &mut Vec<u8>, room: &[u8], length: usize) {
@@ -211,7 +209,7 @@ impl Machine for Devices {
             let mut room = [0; REPLY_MAX];
             let mut line = Encoder::begin(&mut room, event.name);
             event.write(&mut line);
-            let length = self.link.finish_event(&mut line, event.id).unwrap_or_default();
+            let length = self.link.finish_event(&mut line, event.id);
             add(out, &room, length);
         }
     }

@@ -2,13 +2,10 @@
 //!
 //! Neither byte of a sum is ever 0: 255 stands for a residue of 0. So a sum is all that is needed to go on from.
 
-use crate::bytes::fletcher_words;
+use crate::bytes::fletcher;
 
 /// The sum of no bytes.
 pub const EMPTY_SUM: u16 = 0xFFFF;
-
-/// Bytes whose sums fit 16 bits, so that these need not be folded in between.
-const BLOCK: usize = 20;
 
 /// The checksum of some bytes.
 #[inline]
@@ -20,23 +17,7 @@ pub fn fletcher16(bytes: &[u8]) -> u16 {
 /// The checksum of the bytes that have the checksum `sum` and more behind them.
 #[must_use]
 pub fn fletcher16_more(sum: u16, bytes: &[u8]) -> u16 {
-    let (sum, bytes) = fletcher_words(sum, bytes);
-    let [second, first] = sum.to_be_bytes();
-    let (mut first, mut second) = (u16::from(first), u16::from(second));
-    for block in bytes.chunks(BLOCK) {
-        for byte in block {
-            first = first.wrapping_add(u16::from(*byte));
-            second = second.wrapping_add(first);
-        }
-        (first, second) = (folded(first), folded(second));
-    }
-    second << 8 | first
-}
-
-/// The same residue modulo 255, 1 to 255; 0 only of 0.
-const fn folded(sum: u16) -> u16 {
-    let sum = (sum & 0xFF).wrapping_add(sum >> 8);
-    (sum & 0xFF).wrapping_add(sum >> 8)
+    fletcher(sum, bytes)
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! [`accept`](DeviceLink::accept) says whether it is intact, [`LinkLine::Ack`] is what comes first,
 //! [`repeated`](DeviceLink::repeated) has the answer that is to be sent again when the command was executed before. If
 //! it was not, the firmware executes the command, writes the answer into the room that [`begin`](DeviceLink::begin)
-//! made and has it finished by [`finish`](DeviceLink::finish). In between nothing is borrowed.
+//! made and has it finished by [`finish`](DeviceLink::finish). In between nothing is borrowed: the link knows the
+//! command that it has accepted last.
 //!
 //! What the page "Ozeki Line Protocol" leaves open is decided so:
 //!
@@ -18,39 +19,43 @@
 
 mod answers;
 mod fault;
+mod lines;
 mod link_lines;
 mod setup;
-mod welcome;
 
 use zerocopy::FromBytes;
 
-use super::encoder::{EncodeError, Encoder};
+use super::encoder::{Encoder, is_plain};
 use super::message::{Checksum, Message};
 use crate::session::{count, span};
 use answers::Answers;
 pub use fault::Fault;
-use link_lines::write_fault;
-pub use link_lines::{LINK_LINE_MAX, LinkLine};
+pub use lines::LINK_LINE_MAX;
+use lines::Lines;
+pub use link_lines::LinkLine;
 pub use setup::Setup;
-pub use welcome::{Welcome, is_id};
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
 /// Bytes of the longest command that a device receives, without its end: more than a PC sends by the page's rule, which
 /// its own full `linksetup` breaks.
 pub const LINE_MAX: usize = 79;
+/// The command that the link itself executes.
+const LINKSETUP: &[u8] = b"linksetup";
 /// For how many milliseconds after a command its repeats are expected, by default.
 pub const REPEAT_MS: u32 = 5000;
 
 /// What an intact command says about itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request {
-    /// Its t. A command without is executed as often as it comes.
-    pub t: Option<u8>,
+#[derive(Clone, Copy, Debug, Default, FromBytes)]
+#[repr(C)]
+struct Request {
+    /// Its t, if it has one: if not, it is executed as often as it comes.
+    t: u8,
+    has_t: u8,
+    /// Where the answer is, when it was executed before; else no place there is.
+    place: u8,
     /// Its checksum, whether it stands in it or not.
-    pub sum: u16,
-    /// Where the answer is, when it was executed before.
-    place: Option<usize>,
+    sum: u16,
 }
 
 /// How the link does. The counters wrap.
@@ -71,23 +76,21 @@ pub struct Health {
 }
 
 /// The state of a link whose window is at most `WINDOW`, and whose answers have at most `REPLY` bytes. All zero is one
-/// that has just been connected.
+/// that has just been connected, but expects no repeats.
 #[derive(Clone, Debug, FromBytes)]
 // In this order: on AVR what lies within 64 bytes takes shorter instructions.
 #[repr(C)]
 pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
-    /// The t of the next message.
-    next: u8,
-    setup: Setup,
-    /// Bits 8 to 15 of the time that the answers know.
-    coarse: u8,
+    lines: Lines,
     /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
     /// after it.
     refused_setup: u16,
-    /// For how many milliseconds repeats are expected; 0 stands for 5000.
+    /// The time that the answers know.
+    now: u32,
+    /// For how many milliseconds repeats are expected.
     repeat_ms: u32,
-    health: Health,
     answers: Answers<WINDOW, REPLY>,
+    health: Health,
 }
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
@@ -95,20 +98,19 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     #[must_use]
     pub const fn new() -> Self {
         let health = Health { commands: 0, repeats: 0, checksums: 0, malformed: 0, overflows: 0, refused: 0 };
-        let setup = Setup::new(false, false, 0);
-        Self { answers: Answers::new(), health, repeat_ms: 0, refused_setup: 0, setup, next: 0, coarse: 0 }
+        Self { lines: Lines::new(), refused_setup: 0, now: 0, repeat_ms: REPEAT_MS, health, answers: Answers::new() }
     }
 
     /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
     /// connected.
     pub const fn expect_repeats_for(&mut self, repeat_ms: u32) {
-        self.repeat_ms = repeat_ms;
+        self.repeat_ms = span(repeat_ms, REPEAT_MS);
     }
 
     /// The settings in force.
     #[must_use]
     pub const fn setup(&self) -> Setup {
-        self.setup
+        self.lines.setup
     }
 
     /// How the link does.
@@ -117,27 +119,47 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         &self.health
     }
 
+    /// The lines of the link that follow are of the device of this id; of none, if no device can have it.
+    pub fn speak_for(&mut self, id: &[u8]) {
+        self.lines.speak_for(id);
+    }
+
     /// It is `now`, in milliseconds: to be called before anything else that happens then.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    #[inline(always)]
     pub fn tick(&mut self, now: u32) {
-        // Answers are forgotten within a quarter of a second: that costs the less for each byte.
-        let [_, coarse, ..] = now.to_le_bytes();
-        if self.answers.is_fresh() || coarse != self.coarse {
-            self.coarse = coarse;
-            self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
+        if self.is_behind(now) {
+            self.settle(now);
         }
     }
 
-    /// Whether a line is a command that was received intact, and executed before.
+    /// Whether there is anything that a [`tick`](Self::tick) would do.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_behind(&self, now: u32) -> bool {
+        // Answers are forgotten within a quarter of a second: that costs the less for each byte.
+        let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
+        self.answers.is_fresh() || coarse != known
+    }
+
+    /// A [`tick`](Self::tick) to the millisecond.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    fn settle(&mut self, now: u32) {
+        self.now = now;
+        self.answers.settle(now);
+        self.advance(0);
+    }
+
+    /// Whether a line is a command that was received intact; if so, the link goes on with that command.
     ///
     /// # Errors
     ///
     /// If it is not intact, what is wrong.
-    pub fn accept(&mut self, message: &Message, now: u32) -> Result<Request, Fault> {
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
         let sum = message.sum();
         match message.checksum() {
             Checksum::Wrong => return Err(Fault::Checksum),
-            Checksum::None if self.setup.checks() => {
+            Checksum::None if self.lines.setup.checks() => {
                 let again = self.refused_setup == sum;
                 self.refused_setup = if is_setup(message) { sum } else { 0 };
                 if self.refused_setup == 0 || !again {
@@ -146,90 +168,105 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
             }
             _ => (),
         }
-        let t = match message.get(b"t") {
-            Some(t) => Some(t.byte().ok_or(Fault::Malformed)?),
-            None => None,
-        };
+        let mut request = Request { t: 0, has_t: 0, place: u8::MAX, sum };
+        if let Some(t) = message.get(b"t") {
+            request.t = t.byte().ok_or(Fault::Malformed)?;
+            request.has_t = 1;
+        }
         self.refused_setup = 0;
         count(&mut self.health.commands);
-        let mut place = None;
-        if let Some(t) = t {
-            self.answers.tick(now, span(self.repeat_ms, REPEAT_MS));
-            place = self.answers.find(t, sum, self.setup.window(), now);
-            let steps = t.wrapping_add(1).wrapping_sub(self.next);
-            if place.is_some() {
+        if request.has_t != 0 {
+            self.settle(now);
+            if let Some(place) = self.answers.find(request.t, sum, now) {
+                request.place = place;
                 count(&mut self.health.repeats);
-            } else if steps < 128 {
-                self.advance(steps);
+            } else {
+                let steps = request.t.wrapping_add(1).wrapping_sub(self.lines.next);
+                if steps < 128 {
+                    self.advance(steps);
+                }
             }
         }
-        Ok(Request { t, sum, place })
+        self.lines.request = request;
+        Ok(())
     }
 
-    /// Carries out a linksetup, after which nothing received before is taken for repeated.
-    pub fn change_setup(&mut self, message: &Message) {
-        #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
-        self.setup.change(message, WINDOW as u8);
+    /// Puts a setup in force, after which nothing received before is taken for repeated.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn set_up(&mut self, setup: Setup) {
+        self.lines.setup = setup;
+        self.lines.has_window = 1;
         self.answers.forget();
     }
 
-    /// The answer to a command that was executed before.
-    #[must_use]
-    pub fn repeated(&self, request: &Request) -> Option<&[u8]> {
-        self.answers.get(request.place?)
+    /// Carries out a linksetup.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn change_setup(&mut self, message: &Message) {
+        #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
+        let has_window = self.lines.setup.change(message, WINDOW as u8);
+        self.set_up(self.lines.setup);
+        self.lines.has_window = has_window.into();
     }
 
-    /// Room for a line as long as an answer may be, before there are any.
+    /// The answer to the command, if it was executed before.
+    #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn repeated(&self) -> Option<&[u8]> {
+        self.answers.get(self.lines.request.place)
+    }
+
+    /// Room for a line as long as an answer may be, before there are any; then that of the last answer.
     pub fn room(&mut self) -> &mut [u8; REPLY] {
         self.answers.room()
     }
 
-    /// Makes room for an answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does not fit.
-    pub fn begin(&mut self, command: &[u8]) -> (&mut [u8; REPLY], usize) {
-        let room = self.answers.begin();
-        let mut line = Encoder::resume(room, 0);
+    /// Makes room for the command's answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does
+    /// not fit.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn begin(&mut self, command: &[u8]) -> usize {
+        let mut line = Encoder::resume(self.answers.begin(self.lines.setup.window()), 0);
         line.put_all(b"c=");
         line.put_all(command);
         line.put_all(b"_resp");
-        let length = line.length();
-        (room, length)
+        line.length()
     }
 
-    /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place;
-    /// keeps it for repeats of the command and returns it, and the fault that it reports.
-    pub fn finish(&mut self, request: &Request, id: &[u8], answer: Result<usize, Fault>) -> (&[u8], Option<Fault>) {
-        let next = self.next;
-        let written = answer.and_then(|length| {
-            let mut line = Encoder::resume(self.answers.room(), length);
-            line.text(b"id", id).word(b"t", next.into()).finish(false).map_err(|_| Fault::TooLong)
-        });
-        let length = match written {
-            Ok(length) => {
-                self.advance(1);
-                length
+    /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place, for
+    /// the `fault` there is or because it is too long; keeps it for repeats of the command. Its length, and the fault
+    /// that it reports.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn finish(&mut self, length: usize, mut fault: Option<Fault>) -> (usize, Option<Fault>) {
+        let request = self.lines.request;
+        let room = self.answers.room();
+        let mut written = 0;
+        if fault.is_none() {
+            written = self.lines.end(&mut Encoder::resume(room, length), self.lines.id());
+            if written == 0 {
+                fault = Some(Fault::TooLong);
             }
-            Err(fault) => {
-                self.count(fault);
-                write_fault(fault, request.t, id, self.answers.room())
-            }
-        };
-        if let Some(t) = request.t {
-            self.answers.keep(t, request.sum, length);
         }
-        (self.answers.room().get(..length).unwrap_or_default(), written.err())
+        if let Some(fault) = fault {
+            written = self.lines.write_fault(fault, true, room);
+            self.count(fault);
+        } else {
+            self.advance(1);
+        }
+        self.answers.keep(request.t, if request.has_t == 0 { 0 } else { request.sum }, written);
+        (written, fault)
     }
 
-    /// Ends an event: adds id, t and the end of the line.
-    ///
-    /// # Errors
-    ///
-    /// The first error there was in it; then it does not count.
-    pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> Result<usize, EncodeError> {
-        let length = event.text(b"id", id).word(b"t", self.next.into()).finish(false)?;
-        self.advance(1);
-        Ok(length)
+    /// Ends an event: adds id, t and the end of the line. Its length, or 0 when there is an error in it; then it does
+    /// not count.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> usize {
+        let length = self.lines.end(event, id);
+        if length != 0 {
+            self.advance(1);
+        }
+        length
     }
 
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn count(&mut self, fault: Fault) {
         count(match fault {
             Fault::Checksum => &mut self.health.checksums,
@@ -239,10 +276,11 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         });
     }
 
+    /// The counter moves on by so many steps, and answers that have become too old are forgotten.
     #[inline(never)]
     fn advance(&mut self, steps: u8) {
-        self.answers.age(self.next, steps);
-        self.next = self.next.wrapping_add(steps);
+        self.answers.forget_old(self.now, self.repeat_ms, self.lines.next, steps);
+        self.lines.next = self.lines.next.wrapping_add(steps);
     }
 }
 
@@ -252,10 +290,19 @@ impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REP
     }
 }
 
+/// Whether a device behind a link may have that id: one to [`ID_MAX`] of the bytes that need no encoding,
+/// `[0-9A-Za-z._-]`.
+#[must_use]
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub fn is_id(id: &[u8]) -> bool {
+    !id.is_empty() && id.len() <= ID_MAX && id.iter().all(|byte| is_plain(*byte))
+}
+
 /// Whether a command is the one that the link itself executes.
 #[must_use]
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub fn is_setup(message: &Message) -> bool {
-    message.command().is(b"linksetup")
+    message.command().is(LINKSETUP)
 }
 
 #[cfg(test)]
@@ -276,30 +323,29 @@ mod tests {
         let mut room = [0; LINK_LINE_MAX];
         let mut sent = String::new();
         device.tick(now);
+        device.speak_for(ID);
         let message = Message::parse(line).map_err(|_| Fault::Malformed);
-        let request = match message.and_then(|message| device.accept(&message, now)) {
-            Ok(request) => request,
-            Err(fault) => {
-                let length = device.write(LinkLine::Fault(fault, None), ID, &mut room);
-                return text(&room[..length]);
-            }
-        };
+        if let Err(fault) = message.and_then(|message| device.accept(&message, now)) {
+            let length = device.write(LinkLine::Event(fault), &mut room);
+            return text(&room[..length]);
+        }
         let message = message.unwrap();
         if is_setup(&message) {
             device.change_setup(&message);
         }
-        let length = device.write(LinkLine::Ack(&request), ID, &mut room);
+        let length = device.write(LinkLine::Ack, &mut room);
         sent += &text(&room[..length]);
         if is_setup(&message) {
-            let length = device.write(LinkLine::SetupAnswer(&message), ID, &mut room);
+            let length = device.write(LinkLine::SetupAnswer, &mut room);
             return sent + &text(&room[..length]);
         }
-        if let Some(answer) = device.repeated(&request) {
+        if let Some(answer) = device.repeated() {
             return sent + "again " + &text(answer);
         }
-        let (room, begun) = device.begin(message.command().raw());
-        room[begun..begun + 8].copy_from_slice(b"&state=1");
-        sent + &text(device.finish(&request, ID, Ok(begun + 8)).0)
+        let begun = device.begin(message.command().raw());
+        device.room()[begun..begun + 8].copy_from_slice(b"&state=1");
+        let (length, _) = device.finish(begun + 8, None);
+        sent + &text(&device.room()[..length])
     }
 
     #[test]
@@ -330,7 +376,7 @@ mod tests {
     #[test]
     fn a_setup_without_checksum_is_accepted_the_second_time() {
         let mut device = Link::new();
-        device.write(LinkLine::Setup(Setup::new(true, true, 1)), ID, &mut [0; LINK_LINE_MAX]);
+        device.set_up(Setup::new(true, true, 1));
         let asked = b"c=linksetup&ack=off&checksum=none&t=0&id=9o5qzg\n";
         let refused = "c=onerror&code=checksum&t=";
         assert!(answers(&mut device, asked, 0).starts_with(refused));
@@ -338,22 +384,25 @@ mod tests {
         assert!(answers(&mut device, asked, 0).starts_with(refused));
         assert!(answers(&mut device, b"c=linksetup&ack=off&checksum=none&t=1&id=9o5qzg\n", 0).starts_with(refused));
         assert!(answers(&mut device, asked, 0).starts_with(refused));
-        assert_eq!(answers(&mut device, asked, 0), "c=linksetup_resp&ack=off&checksum=none&id=9o5qzg&t=6\n");
+        assert_eq!(answers(&mut device, asked, 0), "c=linksetup_resp&ack=off&checksum=none&id=9o5qzg&t=5\n");
         assert_eq!(device.setup(), Setup::new(false, false, 1));
     }
 
     #[test]
     fn answers_without_room_are_errors() {
         let mut device = Link::new();
-        let request = Request { t: Some(200), sum: 1, place: None };
+        device.speak_for(ID);
+        device.lines.request = Request { t: 200, has_t: 1, sum: 1, ..Request::default() };
         for fill in 96 - 30..=96 {
-            let (room, begun) = device.begin(b"x");
-            room[begun..fill].fill(b'y');
+            let begun = device.begin(b"x");
+            device.room()[begun..fill].fill(b'y');
             let fits = fill + "&id=9o5qzg&t=0\n".len() <= 96;
-            let answer = text(device.finish(&request, ID, Ok(fill)).0);
+            let (length, fault) = device.finish(fill, None);
+            let answer = text(&device.room()[..length]);
+            assert_eq!(fault, (!fits).then_some(Fault::TooLong));
             assert_eq!(answer.starts_with("c=x_respy"), fits, "{fill}");
             assert_eq!(answer == "c=onerror&code=toolong&t=200&id=9o5qzg\n", !fits, "{fill}");
-            device.next = 0;
+            device.lines.next = 0;
         }
     }
 }

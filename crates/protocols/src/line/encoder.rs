@@ -7,6 +7,7 @@ use super::checksum::fletcher16;
 use super::integer::Integer;
 use super::message::Params;
 use crate::decimal;
+use core::mem::take;
 
 /// Bytes of the longest line that a PC sends, with its checksum and its end.
 pub const COMMAND_MAX: usize = 64;
@@ -17,18 +18,21 @@ pub const DECIMALS_MAX: u8 = decimal::DECIMALS_MAX;
 /// The bits that infinities and NaNs have in common.
 const INFINITE: u32 = 0x7F80_0000;
 
-/// Why a line can't be built.
+/// Why a line can't be built. The numbers are those of C's codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub enum EncodeError {
+    /// It was given up.
+    Aborted = 1,
+    /// What was said to be encoded is not.
+    Malformed = 8,
+    /// The line is longer than may be sent, or than there is room.
+    TooLong = 9,
+    /// A float is not finite, or is to have too many decimals.
+    Range = 10,
     /// A name is empty or has bytes that are not of `[A-Za-z0-9_]`, or a parameter is named `s`, as the checksum is:
     /// boards take the first one for it.
-    Name,
-    /// What was said to be encoded is not.
-    Malformed,
-    /// A float is not finite, or is to have too many decimals.
-    Range,
-    /// The line is longer than may be sent, or than there is room.
-    TooLong,
+    Name = 13,
 }
 
 /// A line that is being built in a buffer.
@@ -52,7 +56,8 @@ impl<'a> Encoder<'a> {
         encoder
     }
 
-    fn start(&mut self, command: &[u8]) {
+    /// Adds the beginning of an empty line.
+    pub fn start(&mut self, command: &[u8]) {
         if !is_name(command) {
             self.fail(EncodeError::Name);
         }
@@ -89,10 +94,11 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn text(&mut self, name: &[u8], text: &[u8]) -> &mut Self {
         self.name(name);
         for byte in text {
-            if byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-') {
+            if is_plain(*byte) {
                 self.put(*byte);
             } else {
                 self.put(b'%');
@@ -130,33 +136,55 @@ impl<'a> Encoder<'a> {
 
     /// Adds an integer.
     pub fn int<T: Integer>(&mut self, name: &[u8], value: T) -> &mut Self {
-        self.name(name);
-        value.write(&mut |byte| self.put(byte));
-        self
+        self.text(name, value.write(&mut decimal::zeros()))
     }
 
     /// Adds an integer of at most 16 bits, such as `t`.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn word(&mut self, name: &[u8], value: u16) -> &mut Self {
-        self.int(name, i32::from(value))
+        self.text(name, b"");
+        self.number(b"", value.into());
+        self
+    }
+
+    /// Adds an integer behind `&`, a name that needs no check, and `=`, which are given as one.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn number(&mut self, name: &[u8], value: i32) {
+        self.put_all(name);
+        self.put_all(value.write(&mut decimal::zeros()));
     }
 
     /// Adds a float as `printf("%.*f")` writes it: with 0 to [`DECIMALS_MAX`] decimals, rounded to the nearest number
     /// that has so many; a tie goes to the even digit.
     pub fn float(&mut self, name: &[u8], value: f32, decimals: u8) -> &mut Self {
-        self.name(name);
+        self.text(name, b"").fixed(value, decimals)
+    }
+
+    /// Adds a float so written to the value that the line ends with.
+    pub fn fixed(&mut self, value: f32, decimals: u8) -> &mut Self {
         if value.to_bits() & INFINITE == INFINITE || decimals > DECIMALS_MAX {
             self.fail(EncodeError::Range);
-            return self;
+        } else {
+            decimal::write_fixed(value.to_bits(), decimals, &mut |byte| self.put(byte));
         }
-        decimal::write_fixed(value.to_bits(), decimals, &mut |byte| self.put(byte));
         self
     }
 
     /// Adds four hexadecimal digits in lower case: a checksum.
     pub fn hex(&mut self, name: &[u8], value: u16) -> &mut Self {
-        self.name(name);
-        self.put_hex(value);
+        self.text(name, b"").put_hex(value);
         self
+    }
+
+    /// Adds these digits to the value that the line ends with.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn put_hex(&mut self, value: u16) {
+        let mut rest = value;
+        for _ in 0..4 {
+            let [high, _] = rest.to_be_bytes();
+            self.put(digit(high >> 4, b'a'));
+            rest <<= 4;
+        }
     }
 
     /// Ends the line, with its checksum if wanted, and returns the length of the whole.
@@ -179,7 +207,7 @@ impl<'a> Encoder<'a> {
 
     /// Empties the line: it can't be finished.
     pub fn abort(&mut self) {
-        self.fail(EncodeError::Malformed);
+        self.fail(EncodeError::Aborted);
     }
 
     fn name(&mut self, name: &[u8]) {
@@ -191,35 +219,21 @@ impl<'a> Encoder<'a> {
         self.put(b'=');
     }
 
-    fn put_hex(&mut self, value: u16) {
-        for byte in value.to_be_bytes() {
-            self.put(digit(byte >> 4, b'a'));
-            self.put(digit(byte & 0xF, b'a'));
-        }
-    }
-
     #[inline(never)]
     pub(super) fn put_all(&mut self, bytes: &[u8]) {
-        if self.error.is_some() {
-            return;
-        }
-        let behind = self.length.saturating_add(bytes.len());
-        match self.room.get_mut(self.length..behind) {
+        match self.room.get_mut(self.length..).and_then(|room| room.get_mut(..bytes.len())) {
             Some(room) => {
                 for (place, byte) in room.iter_mut().zip(bytes) {
                     *place = *byte;
                 }
-                self.length = behind;
+                self.length = self.length.wrapping_add(bytes.len());
             }
             None => self.fail(EncodeError::TooLong),
         }
     }
 
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-    fn put(&mut self, byte: u8) {
-        if self.error.is_some() {
-            return;
-        }
+    pub(super) fn put(&mut self, byte: u8) {
         match self.room.get_mut(self.length) {
             Some(place) => {
                 *place = byte;
@@ -229,19 +243,22 @@ impl<'a> Encoder<'a> {
         }
     }
 
+    /// From here on there is no room, so that nothing more is added.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn fail(&mut self, error: EncodeError) {
         self.error = self.error.or(Some(error));
-        // Nothing that could be sent by mistake.
         self.length = 0;
-        if let Some(first) = self.room.first_mut() {
+        // Nothing that could be sent by mistake.
+        if let Some(first) = take(&mut self.room).first_mut() {
             *first = 0;
         }
     }
 }
 
 /// Whether a command may have that name.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) fn is_name(name: &[u8]) -> bool {
-    !name.is_empty() && name.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_')
+    !name.is_empty() && name.iter().all(|byte| is_plain(*byte) && !matches!(byte, b'.' | b'-'))
 }
 
 /// Whether a parameter may have that name.
@@ -249,7 +266,14 @@ pub(super) fn is_param_name(name: &[u8]) -> bool {
     is_name(name) && !matches!(name, [b's'])
 }
 
+/// Whether a byte of a text needs no encoding.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub(super) const fn is_plain(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-')
+}
+
 /// The hexadecimal digit of 0 to 15; `ten` is the one of 10.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 const fn digit(value: u8, ten: u8) -> u8 {
     if value < 10 { b'0'.wrapping_add(value) } else { ten.wrapping_add(value).wrapping_sub(10) }
 }

@@ -1,7 +1,11 @@
-//! Integers in decimal, in the two sizes that C's `long` has. Without a division, which takes a kilobyte of flash on
-//! some controllers.
+//! Integers in decimal, in the two sizes that C's `long` has.
 
-use super::value::{Decoded, NumberError};
+use super::value::{Decoded, NumberError, only_spaces, signed};
+use crate::bytes::divide_by_ten;
+use zerocopy::IntoBytes;
+
+/// Room for the text of any integer.
+pub type IntegerText = [u16; 10];
 
 /// An integer that values can say: `i32` or `i64`.
 pub trait Integer: Copy {
@@ -12,92 +16,105 @@ pub trait Integer: Copy {
     /// When it is none, or beyond what the type holds.
     fn read(text: Decoded<'_>) -> Result<Self, NumberError>;
 
-    /// Writes it: a minus if needed, and the digits.
-    fn write(self, put: &mut dyn FnMut(u8));
+    /// Writes it to the end of the room: a minus if needed, and the digits.
+    fn write(self, room: &mut IntegerText) -> &[u8];
 }
 
-/// What of an integer was read last.
-#[derive(Clone, Copy)]
-enum Part {
-    Spaces,
-    Sign,
-    Digits,
-    /// Spaces behind it.
-    End,
-}
-
-/// Both work on negative numbers, of which there is one more.
 macro_rules! integer {
-    ($type:ty, $digits_max:literal) => {
+    ($type:ty) => {
         impl Integer for $type {
+            #[cfg_attr(target_pointer_width = "16", inline(never))]
             fn read(text: Decoded<'_>) -> Result<Self, NumberError> {
-                let (mut sum, mut beyond, mut negative): (Self, _, _) = (0, false, false);
-                let mut part = Part::Spaces;
-                for byte in text {
-                    part = match (byte, part) {
-                        (b'0'..=b'9', Part::Spaces | Part::Sign | Part::Digits) => {
-                            beyond |= sum < Self::MIN / 10;
-                            let next = sum.wrapping_mul(10).checked_sub(Self::from(byte.wrapping_sub(b'0')));
-                            beyond |= next.is_none();
-                            sum = next.unwrap_or_default();
-                            Part::Digits
-                        }
-                        (b'-' | b'+', Part::Spaces) => {
-                            negative = byte == b'-';
-                            Part::Sign
-                        }
-                        (b' ', Part::Spaces) => Part::Spaces,
-                        (b' ', Part::Digits | Part::End) => Part::End,
-                        _ => return Err(NumberError::Malformed),
-                    };
-                }
-                if matches!(part, Part::Spaces | Part::Sign) {
-                    return Err(NumberError::Malformed);
-                }
-                let number = if negative { Some(sum) } else { sum.checked_neg() };
-                number.filter(|_| !beyond).ok_or(NumberError::Range)
+                let mut bytes = [0; size_of::<Self>()];
+                read_number(text, &mut bytes)?;
+                Ok(Self::from_le_bytes(bytes))
             }
 
-            fn write(self, put: &mut dyn FnMut(u8)) {
-                let mut rest = self;
-                if self < 0 {
-                    put(b'-');
-                } else {
-                    rest = rest.wrapping_neg();
-                }
-                let mut power: Self = -1;
-                let powers: [Self; $digits_max] = core::array::from_fn(|_| {
-                    let this = power;
-                    power = power.wrapping_mul(10);
-                    this
-                });
-                let mut begun = false;
-                for power in powers.iter().rev() {
-                    let mut digit = b'0';
-                    while rest <= *power {
-                        rest = rest.wrapping_sub(*power);
-                        digit = digit.wrapping_add(1);
-                    }
-                    begun |= digit != b'0' || *power == -1;
-                    if begun {
-                        put(digit);
-                    }
-                }
+            #[cfg_attr(target_pointer_width = "16", inline(never))]
+            fn write(self, room: &mut IntegerText) -> &[u8] {
+                write_digits(self < 0, &mut self.unsigned_abs().to_le_bytes(), room)
             }
         }
     };
 }
-integer!(i32, 10);
-integer!(i64, 19);
+integer!(i32);
+integer!(i64);
+
+/// Reads an integer of so many bytes, which are zero, the lowest first.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn read_number(text: Decoded<'_>, number: &mut [u8]) -> Result<(), NumberError> {
+    let (negative, mut text) = signed(text);
+    let (mut begun, mut beyond) = (false, false);
+    let end = loop {
+        let end = text.next();
+        let Some(digit @ b'0'..=b'9') = end else { break end };
+        begun = true;
+        beyond |= append_digit(number, digit.wrapping_sub(b'0'));
+    };
+    if !begun || end.is_some_and(|byte| byte != b' ') || !only_spaces(text) {
+        return Err(NumberError::Malformed);
+    }
+    let mut fits = !is_below_zero(number);
+    if negative {
+        negate(number);
+        // There is one more negative number than there are others.
+        fits |= is_below_zero(number);
+    }
+    if beyond || !fits { Err(NumberError::Range) } else { Ok(()) }
+}
+
+/// Multiplies by ten and adds a digit; whether that is beyond the number's bytes.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn append_digit(number: &mut [u8], digit: u8) -> bool {
+    let mut carry = digit;
+    for byte in number {
+        [*byte, carry] = u16::from(*byte).wrapping_mul(10).wrapping_add(carry.into()).to_le_bytes();
+    }
+    carry != 0
+}
+
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn negate(number: &mut [u8]) {
+    let mut carry = true;
+    for byte in number {
+        (*byte, carry) = (!*byte).overflowing_add(carry.into());
+    }
+}
+
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn is_below_zero(number: &[u8]) -> bool {
+    number.last().is_some_and(|top| *top >= 0x80)
+}
+
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn write_digits<'a>(negative: bool, amount: &mut [u8], room: &'a mut IntegerText) -> &'a [u8] {
+    let room = room.as_mut_bytes();
+    let mut at = room.len();
+    let mut put = |byte| {
+        at = at.wrapping_sub(1);
+        if let Some(place) = room.get_mut(at) {
+            *place = byte;
+        }
+    };
+    loop {
+        put(b'0'.wrapping_add(divide_by_ten(amount)));
+        if amount.iter().all(|byte| *byte == 0) {
+            break;
+        }
+    }
+    if negative {
+        put(b'-');
+    }
+    room.get(at..).unwrap_or_default()
+}
 
 #[cfg(test)]
 mod tests {
     use super::Integer;
-    use crate::line::{NumberError, Value};
-    use std::fmt::Debug;
-    use std::string::{String, ToString};
+    use crate::line::{Encoder, NumberError, Value};
+    use std::fmt::{Debug, Display};
 
-    fn check<T: Integer + PartialEq + Debug + ToString + TryFrom<i128>>(min: i128, max: i128) {
+    fn check<T: Integer + PartialEq + Debug + Display + TryFrom<i128>>(min: i128, max: i128) {
         let read = |text: &str| Value::new(text.as_bytes()).int::<T>();
         let edges = (0..20).flat_map(|exponent| [-1, 0, 1].map(|by| 10_i128.pow(exponent) + by));
         let near = (0..12).flat_map(|by| [min - by, min + by, max - by, max + by, min / 10 - by, max / 10 + by]);
@@ -106,9 +123,9 @@ mod tests {
                 assert_eq!(read(&text), T::try_from(number).map_err(|_| NumberError::Range), "{text}");
             }
             if let Ok(fits) = T::try_from(number) {
-                let mut text = String::new();
-                fits.write(&mut |byte| text.push(char::from(byte)));
-                assert_eq!(text, fits.to_string());
+                let mut room = [0; 32];
+                let length = Encoder::begin(&mut room, b"x").int(b"v", fits).finish(false).unwrap();
+                assert_eq!(room[..length], *std::format!("c=x&v={fits}\n").as_bytes());
             }
         }
         for (raw, number) in [("+5", 5), ("%2B5", 5), ("%2D5+", -5), ("+-1", -1), ("-0", 0), ("%31", 1)] {

@@ -4,7 +4,7 @@
 //! between two `&` is no parameter. The command's own name is a value like any other.
 
 use super::checksum::fletcher16;
-use super::value::{Value, hex};
+use super::value::{Value, digit};
 use crate::bytes::before_less;
 
 /// A line that can be read, seen where it lies.
@@ -79,7 +79,7 @@ impl<'a> Message<'a> {
                     begins = true;
                     1
                 }
-                Some([b'%', a, b, ..]) if a.is_ascii_hexdigit() && b.is_ascii_hexdigit() => 3,
+                Some([b'%', high, low, ..]) if digit(*high).is_some() && digit(*low).is_some() => 3,
                 Some([b'%', ..]) => return Err(Malformed::Escape),
                 Some([b'\n', ..]) => return Err(Malformed::LineFeed),
                 _ => 1,
@@ -88,11 +88,10 @@ impl<'a> Message<'a> {
 
         let (summed, behind) = line.split_at_checked(sum_at.unwrap_or(line.len())).unwrap_or_default();
         let sum = fletcher16(summed);
-        let told = sum_at.map(|_| hex(behind.get(b"&s=".len()..).unwrap_or_default()));
-        let checksum = match told {
-            None => Checksum::None,
-            Some(told) if told == Some(sum) => Checksum::Right,
-            Some(_) => Checksum::Wrong,
+        let checksum = match behind {
+            [] => Checksum::None,
+            [b'&', b's', b'=', told @ ..] if Value::new(told).hex() == Some(sum) => Checksum::Right,
+            _ => Checksum::Wrong,
         };
         Ok(Self { line, count, sum, checksum })
     }
@@ -106,7 +105,7 @@ impl<'a> Message<'a> {
     /// What the line is about: the value of the first parameter. It may be empty.
     #[must_use]
     pub fn command(&self) -> Value<'a> {
-        self.params().next().map(|param| param.value).unwrap_or_default()
+        self.text(b"c")
     }
 
     /// Number of parameters, the command and a checksum among them: 1 at least.
@@ -150,7 +149,14 @@ impl<'a> Message<'a> {
     /// The value of the first parameter of a name.
     #[must_use]
     pub fn get(&self, name: &[u8]) -> Option<Value<'a>> {
-        self.find(name, 0).map(|param| param.value)
+        self.params().value(name, 0)
+    }
+
+    /// The same; nothing when there is none.
+    #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn text(&self, name: &[u8]) -> Value<'a> {
+        self.get(name).unwrap_or_default()
     }
 }
 
@@ -180,6 +186,27 @@ impl<'a> Params<'a> {
             found
         })
     }
+
+    /// The value of what [`find_named`](Self::find_named) finds.
+    #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn value(self, name: &[u8], mut occurrence: usize) -> Option<Value<'a>> {
+        let mut rest = self.rest;
+        loop {
+            let piece = before(rest, b'&');
+            let own = before(piece, b'=');
+            if same(own, name) && !piece.is_empty() {
+                if occurrence == 0 {
+                    return Some(Value::new(behind(piece, own)));
+                }
+                occurrence = occurrence.wrapping_sub(1);
+            }
+            if piece.len() == rest.len() {
+                return None;
+            }
+            rest = behind(rest, piece);
+        }
+    }
 }
 
 impl<'a> Iterator for Params<'a> {
@@ -187,29 +214,38 @@ impl<'a> Iterator for Params<'a> {
 
     fn next(&mut self) -> Option<Param<'a>> {
         while !self.rest.is_empty() {
-            let (piece, rest) = split(self.rest, b'&');
-            self.rest = rest;
+            let piece = before(self.rest, b'&');
+            self.rest = behind(self.rest, piece);
             if !piece.is_empty() {
-                let (name, value) = split(piece, b'=');
-                return Some(Param { name, value: Value::new(value) });
+                let name = before(piece, b'=');
+                return Some(Param { name, value: Value::new(behind(piece, name)) });
             }
         }
         None
     }
 }
 
-/// What stands before and behind the first of these bytes.
-fn split(bytes: &[u8], at: u8) -> (&[u8], &[u8]) {
-    let place = bytes.iter().position(|byte| *byte == at).unwrap_or(bytes.len());
-    (bytes.get(..place).unwrap_or_default(), bytes.get(place.wrapping_add(1)..).unwrap_or_default())
+/// What stands before the first of these bytes.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn before(bytes: &[u8], end: u8) -> &[u8] {
+    let place = bytes.iter().position(|byte| *byte == end).unwrap_or(bytes.len());
+    bytes.get(..place).unwrap_or_default()
+}
+
+/// What stands behind the byte that ended the beginning.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn behind<'a>(bytes: &'a [u8], beginning: &[u8]) -> &'a [u8] {
+    bytes.get(beginning.len().wrapping_add(1)..).unwrap_or_default()
 }
 
 /// Whether some bytes are equal; not by a call of memcmp.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) fn same(one: &[u8], other: &[u8]) -> bool {
     one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one == other)
 }
 
 /// A line without the LF or CR LF it may end with.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) const fn without_end(line: &[u8]) -> &[u8] {
     let ([line @ .., b'\r', b'\n'] | [line @ .., b'\n'] | line) = line;
     line

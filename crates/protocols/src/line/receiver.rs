@@ -17,13 +17,13 @@ pub struct Receiver<const SIZE: usize> {
     line: [u8; SIZE],
 }
 
-/// The line goes on; so does one in any other state than the following.
+/// The line goes on.
 const RECEIVING: u8 = 0;
 /// The line is too long and goes on.
 const TOO_LONG: u8 = 1;
 /// A line is complete.
 const COMPLETE: u8 = 2;
-/// The end of a line that was too long has come.
+/// The end of a line that was too long has come; so it has in any other state.
 const LOST: u8 = 3;
 
 /// What was received.
@@ -65,19 +65,25 @@ impl<const SIZE: usize> Receiver<SIZE> {
                 }
                 continue;
             }
-            let before = self.line.get(used.wrapping_sub(1));
-            let length = if before == Some(&b'\r') { used.wrapping_sub(1) } else { used };
-            let lost = self.state == TOO_LONG || length >= SIZE;
+            let length = match self.line.get(..used) {
+                Some([.., b'\r']) => used.wrapping_sub(1),
+                _ => used,
+            };
+            let lost = self.state == TOO_LONG;
             (used, self.state) = (0, RECEIVING);
-            if lost {
-                self.state = LOST;
-                break;
-            }
-            if let Some(behind) = self.line.get_mut(length).filter(|_| length > 0) {
-                // C programs want a zero byte there.
-                *behind = 0;
-                (used, self.state) = (length, COMPLETE);
-                break;
+            match self.line.get_mut(length) {
+                Some(behind) if !lost => {
+                    // C programs want a zero byte there.
+                    *behind = 0;
+                    if length > 0 {
+                        (used, self.state) = (length, COMPLETE);
+                        break;
+                    }
+                }
+                _ => {
+                    self.state = LOST;
+                    break;
+                }
             }
         }
         self.used = u16::try_from(used).unwrap_or_default();
@@ -88,7 +94,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
     #[must_use]
     #[inline(always)]
     pub const fn has_ended(&self) -> bool {
-        self.state == COMPLETE || self.state == LOST
+        self.state >= COMPLETE
     }
 
     /// What was received.
@@ -96,7 +102,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
     pub fn received(&self) -> Received<'_> {
         match (self.state, self.line.get(..self.used.into())) {
             (COMPLETE, Some(line)) => Received::Line(line),
-            (COMPLETE | LOST, _) => Received::TooLong,
+            (COMPLETE.., _) => Received::TooLong,
             _ => Received::Nothing,
         }
     }

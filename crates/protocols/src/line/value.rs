@@ -58,8 +58,19 @@ impl<'a> Value<'a> {
     #[must_use]
     #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn is(self, text: &[u8]) -> bool {
-        let mut text = text.iter();
-        self.bytes().all(|byte| text.next() == Some(&byte)) && text.next().is_none()
+        let mut own = self.bytes();
+        for byte in text {
+            // Most bytes need no decoding.
+            match own.rest {
+                [first, rest @ ..] if first == byte && !matches!(first, b'%' | b'+') => own.rest = rest,
+                _ => {
+                    if own.next() != Some(*byte) {
+                        return false;
+                    }
+                }
+            }
+        }
+        own.rest.is_empty()
     }
 
     /// Writes the decoded text to the beginning of `out` and returns its length.
@@ -87,20 +98,32 @@ impl<'a> Value<'a> {
 
     /// Reads an integer of 0 to 255, such as `t`.
     #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn byte(self) -> Option<u8> {
-        self.int::<i32>().ok().and_then(|number| u8::try_from(number).ok())
+        let [byte, 0] = self.word()?.to_le_bytes() else { return None };
+        Some(byte)
     }
 
     /// Reads an integer of 0 to 65535, such as a window size.
     #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn word(self) -> Option<u16> {
-        self.int::<i32>().ok().and_then(|number| u16::try_from(number).ok())
+        let [low, high, 0, 0] = self.int::<i32>().ok()?.to_le_bytes() else { return None };
+        Some(u16::from_le_bytes([low, high]))
     }
 
     /// Reads four hexadecimal digits of either case: a checksum.
     #[must_use]
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn hex(self) -> Option<u16> {
-        hex(self.0)
+        if self.0.len() != 4 {
+            return None;
+        }
+        let mut word = 0;
+        for byte in self.0 {
+            word = word << 4 | u16::from(digit(*byte)?);
+        }
+        Some(word)
     }
 
     /// Reads a decimal number, such as `-1000.00` or `1e3`, as the nearest `f32`; a tie goes to the even one.
@@ -147,7 +170,7 @@ impl Iterator for Decoded<'_> {
 }
 
 /// Spaces and a sign are passed over; whether that is a minus.
-fn signed(mut text: Decoded<'_>) -> (bool, Decoded<'_>) {
+pub(super) fn signed(mut text: Decoded<'_>) -> (bool, Decoded<'_>) {
     loop {
         let at = text.clone();
         match text.next() {
@@ -159,18 +182,13 @@ fn signed(mut text: Decoded<'_>) -> (bool, Decoded<'_>) {
     }
 }
 
-fn only_spaces(mut text: Decoded<'_>) -> bool {
+pub(super) fn only_spaces(mut text: Decoded<'_>) -> bool {
     text.all(|byte| byte == b' ')
 }
 
-/// The value of four hexadecimal digits.
-pub(super) fn hex(digits: &[u8]) -> Option<u16> {
-    let &[a, b, c, d] = digits else { return None };
-    Some(u16::from_be_bytes([digit(a)? << 4 | digit(b)?, digit(c)? << 4 | digit(d)?]))
-}
-
 /// The value of a hexadecimal digit.
-const fn digit(byte: u8) -> Option<u8> {
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+pub(super) const fn digit(byte: u8) -> Option<u8> {
     match byte {
         b'0'..=b'9' => Some(byte.wrapping_sub(b'0')),
         b'a'..=b'f' => Some(byte.wrapping_sub(b'a').wrapping_add(10)),

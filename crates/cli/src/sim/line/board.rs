@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use deltarobot_protocols::line::device::{Fault, Welcome};
+use deltarobot_protocols::line::device::Fault;
 use deltarobot_protocols::line::{Encoder, Message};
 
 /// The id of what the link itself is set up by.
@@ -12,15 +12,29 @@ const HEATER: &[u8] = b"M1F910";
 const SWITCH: &[u8] = b"9o5qzg";
 const BUTTON: &[u8] = b"3Mx14T";
 
-pub(super) const WELCOMES: [Welcome; 4] = [
-    welcome(MANAGER, b"OzekiIDManager", 1, None),
-    welcome(HEATER, b"OzekiTemperatureController", 2, Some(b"HeaterExt1")),
-    welcome(SWITCH, b"OzekiSwitchController", 3, Some(b"FanExt1")),
-    welcome(BUTTON, b"OzekiButtonController", 4, Some(b"StopYmin")),
+/// A device as its welcome describes it.
+pub(super) struct Device {
+    pub(super) id: &'static [u8],
+    kind: &'static [u8],
+    name: Option<&'static [u8]>,
+}
+
+/// In the order of their places.
+pub(super) const DEVICES: [Device; 4] = [
+    Device { id: MANAGER, kind: b"OzekiIDManager", name: None },
+    Device { id: HEATER, kind: b"OzekiTemperatureController", name: Some(b"HeaterExt1") },
+    Device { id: SWITCH, kind: b"OzekiSwitchController", name: Some(b"FanExt1") },
+    Device { id: BUTTON, kind: b"OzekiButtonController", name: Some(b"StopYmin") },
 ];
 
-const fn welcome(id: &'static [u8], kind: &'static [u8], pos: i32, name: Option<&'static [u8]>) -> Welcome<'static> {
-    Welcome { id, r#type: kind, pos, name, version: Some(b"1.0.0") }
+impl Device {
+    pub(super) fn welcome(&self, place: u16, line: &mut Encoder) {
+        line.text(b"id", self.id).text(b"type", self.kind).word(b"pos", place);
+        if let Some(name) = self.name {
+            line.text(b"name", name);
+        }
+        line.text(b"version", b"1.0.0");
+    }
 }
 
 const SETPUSHINFO: &[u8] = b"setpushinfo";

@@ -10,7 +10,7 @@ use crate::session::left;
 
 /// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
 /// and the device not seen.
-const AGE_MAX: u16 = 192;
+const AGE_MAX: u8 = 192;
 
 /// The answer to a command.
 #[derive(Clone, Copy, Debug, FromBytes)]
@@ -61,50 +61,51 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
     }
 
     /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
-    /// not count as time since. What was executed or repeated last `span` milliseconds ago is forgotten, before the
-    /// clock comes round.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
-    pub(super) fn tick(&mut self, now: u32, span: u32) {
+    /// not count as time since.
+    pub(super) fn settle(&mut self, now: u32) {
         if self.fresh != 0 {
             self.fresh = 0;
             self.newest_slot().since = now;
         }
+    }
+
+    /// Forgets what was executed or repeated last `span` milliseconds ago, before the clock comes round, and what will
+    /// be too far back when the counter, at `next`, has moved on by so many steps.
+    pub(super) fn forget_old(&mut self, now: u32, span: u32, next: u8, steps: u8) {
         for slot in &mut self.slots {
-            if left(now, slot.since, span) == 0 {
+            if slot.length == 0 {
+                continue;
+            }
+            let age = next.wrapping_sub(slot.t).checked_add(steps);
+            if age.is_none_or(|age| age >= AGE_MAX) || left(now, slot.since, span) == 0 {
                 slot.length = 0;
             }
         }
     }
 
-    /// The counter, at `next`, moves on by so many steps.
-    pub(super) fn age(&mut self, next: u8, steps: u8) {
+    /// Where the answer to a command is, if that is not forgotten. It is repeated `now`.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub(super) fn find(&mut self, t: u8, sum: u16, now: u32) -> Option<u8> {
+        let mut place = 0_u8;
         for slot in &mut self.slots {
-            if u16::from(next.wrapping_sub(slot.t)).wrapping_add(u16::from(steps)) >= AGE_MAX {
-                slot.length = 0;
+            if slot.length != 0 && slot.t == t && slot.sum == sum {
+                slot.since = now;
+                return Some(place);
             }
+            place = place.wrapping_add(1);
         }
-    }
-
-    /// Where the answer to a command is, if that is one of the last `window` and not forgotten. It is repeated `now`.
-    pub(super) fn find(&mut self, t: u8, sum: u16, window: u8, now: u32) -> Option<usize> {
-        let newest = usize::from(self.newest);
-        let (place, slot) = self.slots.iter_mut().enumerate().find(|(place, slot)| {
-            let later = newest.checked_sub(*place).unwrap_or(newest.wrapping_add(WINDOW).wrapping_sub(*place));
-            later < usize::from(window) && slot.length != 0 && slot.t == t && slot.sum == sum
-        })?;
-        slot.since = now;
-        Some(place)
+        None
     }
 
     /// The answer at a place.
-    pub(super) fn get(&self, place: usize) -> Option<&[u8]> {
-        self.slots.get(place).and_then(|slot| slot.text.get(..usize::from(slot.length)))
+    pub(super) fn get(&self, place: u8) -> Option<&[u8]> {
+        self.slots.get(usize::from(place)).and_then(|slot| slot.text.get(..usize::from(slot.length)))
     }
 
-    /// Makes room for an answer, in place of the oldest.
-    pub(super) fn begin(&mut self) -> &mut [u8; REPLY] {
+    /// Makes room for an answer, in place of the oldest of `window`, which stays the same until all are forgotten.
+    pub(super) fn begin(&mut self, window: u8) -> &mut [u8; REPLY] {
         let next = self.newest.wrapping_add(1);
-        self.newest = if usize::from(next) < WINDOW { next } else { 0 };
+        self.newest = if next < window { next } else { 0 };
         let slot = self.newest_slot();
         slot.length = 0;
         &mut slot.text
@@ -115,7 +116,9 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         &mut self.newest_slot().text
     }
 
-    /// Keeps the answer begun last, which has become that long, for repeats of the command.
+    /// Keeps the answer begun last, which has become that long, for repeats of the command. A sum of 0, which no line
+    /// has, is that of one that is not to be found.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub(super) fn keep(&mut self, t: u8, sum: u16, length: usize) {
         self.fresh = 1;
         let slot = self.newest_slot();
@@ -124,6 +127,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         slot.length = u8::try_from(length).unwrap_or_default();
     }
 
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn newest_slot(&mut self) -> &mut Answer<REPLY> {
         let place = if usize::from(self.newest) < WINDOW { usize::from(self.newest) } else { 0 };
         #[expect(clippy::indexing_slicing, reason = "in range, as the line above sees to")]
@@ -140,14 +144,16 @@ mod tests {
 
     const SPAN: u32 = 3000;
 
-    fn keep(answers: &mut Answers, t: u8, sum: u16, text: &[u8]) {
-        answers.begin()[..text.len()].copy_from_slice(text);
+    fn keep(answers: &mut Answers, t: u8, sum: u16, text: &[u8], window: u8) {
+        answers.begin(window)[..text.len()].copy_from_slice(text);
         answers.keep(t, sum, text.len());
     }
 
-    fn found(answers: &mut Answers, t: u8, sum: u16, window: u8, now: u32) -> Option<Vec<u8>> {
-        answers.tick(now, SPAN);
-        let place = answers.find(t, sum, window, now)?;
+    fn found(answers: &mut Answers, t: u8, sum: u16, now: u32) -> Option<Vec<u8>> {
+        answers.settle(now);
+        let next = answers.newest_slot().t.wrapping_add(1);
+        answers.forget_old(now, SPAN, next, 0);
+        let place = answers.find(t, sum, now)?;
         answers.get(place).map(<[u8]>::to_vec)
     }
 
@@ -156,50 +162,49 @@ mod tests {
         for window in [1, 2, u8::try_from(WINDOW).unwrap()] {
             let mut answers = Answers::new();
             for t in 0..100 {
-                keep(&mut answers, t, 7, &[t]);
-                answers.tick(1000, SPAN);
+                keep(&mut answers, t, 7, &[t], window);
                 for old in 0..=t {
                     let kept = t - old < window;
-                    let answer = found(&mut answers, old, 7, window, 1000);
+                    let answer = found(&mut answers, old, 7, 1000);
                     assert_eq!(answer, kept.then_some([old].to_vec()), "{old} at {t}, {window}");
                 }
-                assert_eq!(found(&mut answers, t, 8, window, 1000), None);
+                assert_eq!(found(&mut answers, t, 8, 1000), None);
             }
             answers.forget();
-            assert_eq!(found(&mut answers, 99, 7, window, 1000), None);
+            assert_eq!(found(&mut answers, 99, 7, 1000), None);
         }
     }
 
     #[test]
     fn kept_for_a_time_that_repeats_renew() {
         let mut answers = Answers::new();
-        keep(&mut answers, 1, 2, b"x");
+        keep(&mut answers, 1, 2, b"x", 1);
         // It took longer than answers are kept.
-        answers.tick(50_000, SPAN);
-        answers.tick(51_000, SPAN);
+        answers.settle(50_000);
+        answers.settle(51_000);
         for now in [52_999, 55_998, 58_997] {
-            assert_eq!(found(&mut answers, 1, 2, 1, now), Some(b"x".to_vec()), "{now}");
+            assert_eq!(found(&mut answers, 1, 2, now), Some(b"x".to_vec()), "{now}");
         }
-        assert_eq!(found(&mut answers, 1, 2, 1, 61_997), None);
+        assert_eq!(found(&mut answers, 1, 2, 61_997), None);
         // Not even when the clock has come round.
-        assert_eq!(found(&mut answers, 1, 2, 1, 58_997), None);
+        assert_eq!(found(&mut answers, 1, 2, 58_997), None);
     }
 
     #[test]
     fn forgotten_before_the_counter_comes_round() {
         for steps in [1, 2, 50, 127] {
             let mut answers = Answers::new();
-            keep(&mut answers, 250, 2, b"x");
+            keep(&mut answers, 250, 2, b"x", 1);
             let mut next = 251_u8;
             let mut age = 1_u16;
             while age + u16::from(steps) < 192 {
-                answers.age(next, steps);
+                answers.forget_old(0, SPAN, next, steps);
                 next = next.wrapping_add(steps);
                 age += u16::from(steps);
-                assert_eq!(found(&mut answers, 250, 2, 1, 0), Some(b"x".to_vec()), "{age}");
+                assert!(answers.find(250, 2, 0).is_some(), "{age}");
             }
-            answers.age(next, steps);
-            assert_eq!(found(&mut answers, 250, 2, 1, 0), None);
+            answers.forget_old(0, SPAN, next, steps);
+            assert_eq!(answers.find(250, 2, 0), None);
         }
     }
 
@@ -209,10 +214,9 @@ mod tests {
         answers.newest = 255;
         answers.fresh = 9;
         answers.slots[0].length = 255;
-        answers.tick(1, SPAN);
-        let _ = found(&mut answers, 0, 0, 255, 0);
-        keep(&mut answers, 1, 2, b"y");
-        answers.tick(0, SPAN);
-        assert_eq!(found(&mut answers, 1, 2, 255, 0), Some(b"y".to_vec()));
+        answers.settle(1);
+        let _ = found(&mut answers, 0, 0, 0);
+        keep(&mut answers, 1, 2, b"y", 255);
+        assert_eq!(found(&mut answers, 1, 2, 0), Some(b"y".to_vec()));
     }
 }

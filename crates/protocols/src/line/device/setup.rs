@@ -2,7 +2,6 @@
 
 use zerocopy::FromBytes;
 
-use super::super::encoder::Encoder;
 use super::super::message::Message;
 use super::super::value::Value;
 
@@ -41,31 +40,28 @@ impl Setup {
     }
 
     /// Puts in force what a linksetup says, but a window of at most `most`. What it leaves out or says otherwise than
-    /// the page stays as it is: the answer has what is in force.
-    pub fn change(&mut self, message: &Message, most: u8) {
-        self.ack = choice(message.get(b"ack"), b"on", b"off", self.ack);
-        self.checksum = choice(message.get(b"checksum"), b"fletcher16", b"none", self.checksum);
-        if let Some(window) = message.get(b"windowsize").and_then(Value::word) {
+    /// the page stays as it is: the answer has what is in force. Whether it says anything about the window.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    pub fn change(&mut self, message: &Message, most: u8) -> bool {
+        self.ack = choice(message.text(b"ack"), b"on", b"off", self.ack);
+        self.checksum = choice(message.text(b"checksum"), b"fletcher16", b"none", self.checksum);
+        let window = message.get(b"windowsize");
+        if let Some(window) = window.and_then(Value::word) {
             self.window = u8::try_from(window).unwrap_or(most).min(most);
         }
-    }
-
-    /// Adds it to a line, with the window size where wanted.
-    pub fn write(self, line: &mut Encoder, with_window: bool) {
-        if with_window {
-            line.word(b"windowsize", self.window().into());
-        }
-        line.text(b"ack", if self.acks() { b"on" } else { b"off" });
-        line.text(b"checksum", if self.checks() { b"fletcher16" } else { b"none" });
+        window.is_some()
     }
 }
 
 /// 1 or 0 as a value says by one word or the other, or what it was.
-fn choice(value: Option<Value<'_>>, on: &[u8], off: &[u8], was: u8) -> u8 {
-    match value {
-        Some(value) if value.is(on) => 1,
-        Some(value) if value.is(off) => 0,
-        _ => was,
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+fn choice(value: Value<'_>, on: &[u8], off: &[u8], was: u8) -> u8 {
+    if value.is(on) {
+        1
+    } else if value.is(off) {
+        0
+    } else {
+        was
     }
 }
 
