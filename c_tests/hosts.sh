@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Hosts other than this one: builds the library for each that is named, and runs the C tests linked statically to it in
 # an emulator; or, for those without one, compiles it. The same for the program `deltarobot`, but not for aarch64 and
-# s390x. By default all. windows-serve is `deltarobot ui` and what it serves, which takes minutes to compile.
+# s390x. By default all. windows-serve is `deltarobot ui` and what it serves, TARGET-serve (with clang) the programs
+# `deltarobot-serve` and `deltarobot-convert`: each takes minutes to compile.
 #
-#   c_tests/hosts.sh [i686|aarch64|s390x|windows|windows-serve|TARGET]...
+#   c_tests/hosts.sh [i686|aarch64|s390x|windows|windows-serve|TARGET|TARGET-serve]...
 #
 # Debian's packages: qemu-user, wine64, gcc and g++ of each (gcc-s390x-linux-gnu, gcc-mingw-w64-x86-64-win32...), and
 # for a compiler that has no core library for them, but its source, rustc-web and rust-web-src.
@@ -162,6 +163,14 @@ for host; do
             # With the page in it, as a release has it.
             (program x86_64-pc-windows-gnu build deltarobot-serve deltarobot-ui --features rust-embed/debug-embed)
             (wine_start; wine_serve) ;;
+        *-serve)
+            # What ring has in C needs a compiler for the target, but none of its headers; and one of Apple's, empty.
+            mkdir -p target/hosts/headers
+            : >target/hosts/headers/TargetConditionals.h
+            (export TARGET_CC=clang TARGET_AR=ar \
+                TARGET_CFLAGS="-ffreestanding -DRING_CORE_NOSTDLIBINC -I$PWD/target/hosts/headers"
+            program "${host%-serve}" check deltarobot-serve deltarobot-serve
+            program "${host%-serve}" check deltarobot-records deltarobot-convert) ;;
         *-*)
             (use_compiler "$host" && cargo check --quiet --release --lib --no-default-features \
                 --features panic-handler,serial --target "$host" --target-dir target/hosts/.cargo)
