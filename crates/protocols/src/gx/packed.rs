@@ -1,6 +1,8 @@
 //! Numbers as bytes with the high bit set: seven bits each, the least significant group first (the proposal's
 //! `PackIntoCPPacked7`, `14` and `28`).
 
+use crate::bytes::WIDE;
+
 /// The high bit, by which binary values differ from everything that is ASCII.
 pub const HIGH: u8 = 0x80;
 /// Positions that 28 bits hold, in steps.
@@ -20,10 +22,14 @@ pub const PERIOD_MAX: u16 = 0x3FFF;
 /// The largest code of an error notice: 7 bits.
 pub const CODE_MAX: u8 = 0x7F;
 
-/// Whether 28 bits hold a position.
+/// Whether 28 bits hold a position. On small machines, by its highest byte, which is -8 to 7 then.
 #[inline(always)]
 pub const fn is_position(value: i32) -> bool {
-    value.wrapping_sub(POSITION_MIN).cast_unsigned() >> 28 == 0
+    if WIDE {
+        return value.wrapping_sub(POSITION_MIN).cast_unsigned() >> 28 == 0;
+    }
+    let [_, _, _, high] = value.to_le_bytes();
+    high.wrapping_add(8) < 16
 }
 
 /// Whether a delta can be written.
@@ -90,6 +96,13 @@ mod tests {
             (2_097_152, [0x80, 0x80, 0x80, 0x81]),
         ] {
             assert_eq!(signed28(pushed(&bytes)), value);
+        }
+    }
+
+    #[test]
+    fn positions_have_28_bits() {
+        for (value, fits) in [(POSITION_MIN, true), (POSITION_MIN - 1, false), (i32::MIN, false), (i32::MAX, false)] {
+            assert!(is_position(value) == fits && is_position(-1 - value) == fits, "{value}");
         }
     }
 
