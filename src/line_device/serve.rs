@@ -5,15 +5,15 @@
 //! going on is over.
 
 use core::ffi::c_int;
-use core::mem::MaybeUninit;
 
 use super::table::{command_of, device_of, write_welcome};
 use super::{Command, DeviceInfo, State};
 use crate::line_protocol::message::view;
 use crate::line_protocol::{LineEncoder, OLP_RC_BUSY, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
-use crate::memory::{int, text_of, zero};
+use crate::memory::{int, text_of};
 use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, is_setup};
-use deltarobot_protocols::line::{Message, Received};
+use deltarobot_protocols::line::{Message, Received, zeros};
+use zerocopy::IntoBytes;
 
 /// Does the one thing that comes next.
 ///
@@ -30,13 +30,8 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
         (*device).link.tick(now);
         (*device).serving = 1;
         let mut rc = OLP_RC_SUCCESS;
-        let welcomed = (*device).welcomed;
         if !is_welcomed(device) {
-            (*device).welcomed = welcomed.wrapping_add(1);
-            let room = (*device).link.room();
-            let length = write_welcome((*(*device).table()).devices.add(welcomed.into()), room);
-            let line = room.as_ptr();
-            send(device, line, length);
+            welcome(device);
         } else if (*device).announces != 0 {
             (*device).announces = 0;
             (*device).link.set_up((*device).setup);
@@ -48,6 +43,24 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
         }
         (*device).serving = 0;
         rc
+    }
+}
+
+/// Welcomes the next device.
+///
+/// # Safety
+///
+/// See above.
+#[cfg_attr(target_pointer_width = "16", inline(never))]
+unsafe fn welcome(device: *mut State) {
+    // SAFETY: as the contract of this function asks, and there is one.
+    unsafe {
+        let info = (*(*device).table()).devices.add((*device).welcomed.into());
+        (*device).welcomed = (*device).welcomed.wrapping_add(1);
+        let room = (*device).link.room();
+        let length = write_welcome(info, room);
+        let line = room.as_ptr();
+        send(device, line, length);
     }
 }
 
@@ -209,12 +222,12 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c
 /// See above.
 #[inline(never)]
 unsafe fn send_link_line(device: *mut State, line: LinkLine) {
-    let mut room = MaybeUninit::<[u8; LINK_LINE_MAX]>::uninit();
-    // SAFETY: see above; zero is a value of such arrays.
+    let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
+    let room = room.as_mut_bytes();
+    // SAFETY: see above.
     unsafe {
-        zero(room.as_mut_ptr());
-        let length = (*device).link.write(line, room.assume_init_mut());
-        send(device, room.as_ptr().cast(), length);
+        let length = (*device).link.write(line, room);
+        send(device, room.as_ptr(), length);
     }
 }
 

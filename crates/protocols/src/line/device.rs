@@ -124,29 +124,22 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.lines.speak_for(id);
     }
 
-    /// It is `now`, in milliseconds: to be called before anything else that happens then.
-    #[inline(always)]
+    /// It is `now`, in milliseconds: to be called before anything else that happens then, at least when the link
+    /// [`is_behind`](Self::is_behind).
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn tick(&mut self, now: u32) {
-        if self.is_behind(now) {
-            self.settle(now);
-        }
+        self.now = now;
+        self.answers.settle(now);
+        self.advance(0);
     }
 
-    /// Whether there is anything that a [`tick`](Self::tick) would do.
+    /// Whether there is much that a [`tick`](Self::tick) would do.
     #[inline(always)]
     #[must_use]
     pub fn is_behind(&self, now: u32) -> bool {
         // Answers are forgotten within a quarter of a second: that costs the less for each byte.
         let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
         self.answers.is_fresh() || coarse != known
-    }
-
-    /// A [`tick`](Self::tick) to the millisecond.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
-    fn settle(&mut self, now: u32) {
-        self.now = now;
-        self.answers.settle(now);
-        self.advance(0);
     }
 
     /// Whether a line is a command that was received intact; if so, the link goes on with that command.
@@ -176,7 +169,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.refused_setup = 0;
         count(&mut self.health.commands);
         if request.has_t != 0 {
-            self.settle(now);
+            self.tick(now);
             if let Some(place) = self.answers.find(request.t, sum, now) {
                 request.place = place;
                 count(&mut self.health.repeats);

@@ -72,13 +72,10 @@ impl<'a> Encoder<'a> {
         Self::begin(room.get_mut(..limit).unwrap_or_default(), command)
     }
 
-    /// Goes on with a line of which so many bytes are in the buffer.
-    pub fn resume(room: &'a mut [u8], length: usize) -> Self {
-        let mut encoder = Self { room, length, error: None };
-        if length > encoder.room.len() {
-            encoder.fail(EncodeError::TooLong);
-        }
-        encoder
+    /// Goes on with a line of which so many bytes are in the buffer. If it has fewer, nothing can be added.
+    #[inline(always)]
+    pub const fn resume(room: &'a mut [u8], length: usize) -> Self {
+        Self { room, length, error: None }
     }
 
     /// Number of bytes so far.
@@ -102,8 +99,7 @@ impl<'a> Encoder<'a> {
                 self.put(*byte);
             } else {
                 self.put(b'%');
-                self.put(digit(byte >> 4, b'A'));
-                self.put(digit(byte & 0xF, b'A'));
+                self.put_digits(*byte, b'A');
             }
         }
         self
@@ -179,12 +175,9 @@ impl<'a> Encoder<'a> {
     /// Adds these digits to the value that the line ends with.
     #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn put_hex(&mut self, value: u16) {
-        let mut rest = value;
-        for _ in 0..4 {
-            let [high, _] = rest.to_be_bytes();
-            self.put(digit(high >> 4, b'a'));
-            rest <<= 4;
-        }
+        let [high, low] = value.to_be_bytes();
+        self.put_digits(high, b'a');
+        self.put_digits(low, b'a');
     }
 
     /// Ends the line, with its checksum if wanted, and returns the length of the whole.
@@ -241,6 +234,13 @@ impl<'a> Encoder<'a> {
             }
             None => self.fail(EncodeError::TooLong),
         }
+    }
+
+    /// Adds the two hexadecimal digits of a byte; `ten` is the one of 10.
+    #[cfg_attr(target_pointer_width = "16", inline(never))]
+    fn put_digits(&mut self, byte: u8, ten: u8) {
+        self.put(digit(byte >> 4, ten));
+        self.put(digit(byte & 0xF, ten));
     }
 
     /// From here on there is no room, so that nothing more is added.

@@ -6,8 +6,6 @@
 
 use zerocopy::FromBytes;
 
-use crate::session::left;
-
 /// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
 /// and the device not seen.
 const AGE_MAX: u8 = 192;
@@ -77,7 +75,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
                 continue;
             }
             let age = next.wrapping_sub(slot.t).checked_add(steps);
-            if age.is_none_or(|age| age >= AGE_MAX) || left(now, slot.since, span) == 0 {
+            if age.is_none_or(|age| age >= AGE_MAX) || now.wrapping_sub(slot.since) >= span {
                 slot.length = 0;
             }
         }
