@@ -275,8 +275,8 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// The error notice to a command with this number, if it had one. If not, it begins with a line end: behind a packed
-    /// number of the notice before, it would be about that command.
+    /// The error notice to a command with this number, if it had one. If not, it begins with a line end: behind a
+    /// packed number of the notice before, it would be about that command.
     pub(super) fn refusal(&mut self, number: Numbered, code: u8, format: Format) {
         if !number.is_some() {
             self.byte(b'\n');
