@@ -261,7 +261,10 @@ uninstall-convert: ## removes it from there
 	$(Q)rm -f '$(DESTDIR)$(BINDIR)/deltarobot-convert'
 	@echo "uninstall-convert: deltarobot-convert is gone from $(DESTDIR)$(BINDIR)"
 
-demo: lib cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host ## has a host program in C talk to a simulated robot
+# Library and program are built side by side: much of both keeps one processor busy.
+demo: ## has a host program in C talk to a simulated robot
+	+$(Q)$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j2) \
+	    cli $(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host
 	$(Q)$(STAGE)/demo/demo $(STAGE)/demo/deltarobot-host $(OUT)/deltarobot sim
 
 demo-line: $(addprefix $(STAGE)/demo/,demo line-pc line-device) ## the same with a PC and devices of the line protocol
