@@ -121,6 +121,7 @@ wine_serve() {
     local serving url
     mkdir -p "$out/browser"
     rm -f "$out/opened"
+    # shellcheck disable=SC2016 # the stand-in expands it
     printf '#!/bin/sh\nprintf %%s "$1" >"%s.new" && mv "%s.new" "%s"\n' "$out/opened" "$out/opened" "$out/opened" \
         >"$out/browser/xdg-open"
     chmod +x "$out/browser/xdg-open"
