@@ -206,8 +206,8 @@ static void refusal_of_a_repeat_is_doubted(void)
     CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_REFUSED));
 }
 
-/* A controller all of whose acks are lost. */
-static void reports_show_that_it_goes_on(void)
+/* No ack comes, so a move is sent four times; each time this report comes, and that one behind the last. */
+static void unanswered_but_for(int state, float at, float at_last)
 {
     int i;
     begin();
@@ -215,8 +215,14 @@ static void reports_show_that_it_goes_on(void)
     for (i = 0; i < 4; ++i) {
         CHECK(sends("M"));
         pass(250);
-        comes_report(DP_STATUS_MOVING, 0.5f);
+        comes_report(state, i < 3 ? at : at_last);
     }
+}
+
+/* A controller all of whose acks are lost. */
+static void reports_show_that_it_goes_on(void)
+{
+    unanswered_but_for(DP_STATUS_MOVING, 0.5f, 0.5f);
     CHECK(tells(DP_HOST_ACCEPTED, 'M', 0));
     pass(500);
     comes('m', "", 0); /* not believed: of which move? */
@@ -224,13 +230,7 @@ static void reports_show_that_it_goes_on(void)
     comes_report(DP_STATUS_IDLE, 1);
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_FINISHED));
 
-    begin(); /* stood elsewhere, and at the target now */
-    dp_host_move(&host, &TARGET);
-    for (i = 0; i < 4; ++i) {
-        CHECK(sends("M"));
-        pass(250);
-        comes_report(DP_STATUS_IDLE, i < 3 ? 0 : 1);
-    }
+    unanswered_but_for(DP_STATUS_IDLE, 0, 1); /* stood elsewhere, and at the target now */
     CHECK(tells(DP_HOST_ACCEPTED, 'M', 0));
     pass(500);
     comes_report(DP_STATUS_IDLE, 1);
@@ -258,14 +258,7 @@ static void early_reports_show_nothing(void)
 /* A controller that no request reaches. */
 static void standing_elsewhere_shows_nothing(void)
 {
-    int i;
-    begin();
-    dp_host_move(&host, &TARGET);
-    for (i = 0; i < 4; ++i) {
-        CHECK(sends("M"));
-        pass(250);
-        comes_report(DP_STATUS_IDLE, 0);
-    }
+    unanswered_but_for(DP_STATUS_IDLE, 0, 0);
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
 }
 
