@@ -128,7 +128,10 @@ wine_serve() {
     set -m
     BROWSER='' PATH="$out/browser:$PATH" "$wine" "$programs/deltarobot-ui.exe" --sim &
     serving=$!
-    until [ -e "$out/opened" ]; do kill -0 "$serving" && sleep 0.1; done
+    until [ -e "$out/opened" ]; do
+        kill -0 "$serving" || fail "it ended before a browser was opened"
+        sleep 0.1
+    done
     url=$(cat "$out/opened")
     curl -fsS "${url}api/robots/sim1" | grep -q '"link":"up"' || fail "there is no robot at $url"
     curl -fsS -X POST "${url}api/robots/sim1/home" | grep -q '"outcome":"finished"' || fail "the robot is not homed"
