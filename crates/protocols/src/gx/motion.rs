@@ -155,7 +155,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     }
 
     /// Receives a byte, and deals with what it ends; returns whether it was taken. There has to be room.
-    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     fn receive_byte(&mut self, byte: u8) -> bool {
         match self.receiver.receive_byte(byte) {
             Step::Taken => {}
@@ -325,8 +324,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     #[inline(never)]
     fn due(&self, now: u32) -> u32 {
-        if !self.pending.is_none() || self.queue.has_ended() || !self.notices.is_empty() || self.reports.takes_status()
-        {
+        if !self.pending.is_none() || self.has_notice() {
             return 0;
         }
         let mut due = self.reports.left(now);

@@ -1,8 +1,6 @@
 //! Numbers as bytes with the high bit set: seven bits each, the least significant group first (the proposal's
 //! `PackIntoCPPacked7`, `14` and `28`).
 
-use crate::bytes::WIDE;
-
 /// The high bit, by which binary values differ from everything that is ASCII.
 pub const HIGH: u8 = 0x80;
 /// Positions that 28 bits hold, in steps.
@@ -22,12 +20,9 @@ pub const PERIOD_MAX: u16 = 0x3FFF;
 /// The largest code of an error notice: 7 bits.
 pub const CODE_MAX: u8 = 0x7F;
 
-/// Whether 28 bits hold a position. On small machines, by its highest byte, which is -8 to 7 then.
+/// Whether 28 bits hold a position: its highest byte is -8 to 7 then.
 #[inline(always)]
 pub const fn is_position(value: i32) -> bool {
-    if WIDE {
-        return value.wrapping_sub(POSITION_MIN).cast_unsigned() >> 28 == 0;
-    }
     let [_, _, _, high] = value.to_le_bytes();
     high.wrapping_add(8) < 16
 }

@@ -19,7 +19,6 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 use super::message::{Fault, Format, Kind, Number, Numbered};
 use super::packed::{HIGH, NUMBER_MAX, halves, low};
 use super::vector::{MASK_VELOCITY, Vector};
-use crate::bytes::WIDE;
 
 mod binary;
 mod number;
@@ -117,11 +116,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         let mut rest = bytes;
         self.begin_call();
         while let Some((byte, mut behind)) = rest.split_first() {
-            let step = match self.state {
-                state if WIDE && state & *byte & HIGH != 0 => self.packed(*byte),
-                IDLE if WIDE => self.begin(*byte),
-                _ => self.step(*byte),
-            };
+            let step = self.step(*byte);
             let step = if step == Step::Taken { self.whole_values(&mut behind) } else { step };
             match step {
                 Step::Taken => rest = behind,
@@ -227,15 +222,23 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         }
     }
 
+    #[inline(always)]
     fn step(&mut self, byte: u8) -> Step {
+        match self.state {
+            state if state & byte & HIGH != 0 => self.packed(byte),
+            IDLE => self.begin(byte),
+            _ => self.plain(byte),
+        }
+    }
+
+    /// Any other byte.
+    #[inline(never)]
+    fn plain(&mut self, byte: u8) -> Step {
         let state = self.state;
         if byte == ESC {
             self.reset();
             self.number = Numbered::NONE;
             return Step::Taken;
-        }
-        if state & byte & HIGH != 0 {
-            return self.packed(byte);
         }
         if byte.is_ascii_digit() && state & DIGITS != 0 {
             return self.digit(byte);
@@ -254,7 +257,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     }
 
     /// The first byte of a command or notice, behind its number if it has one; or one that means nothing there.
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
     fn begin(&mut self, byte: u8) -> Step {
         // Of digits; packed bytes shift out what was there before.
         self.value = 0;

@@ -101,7 +101,6 @@ pub(super) const fn is_end(byte: u8) -> bool {
 }
 
 /// What a letter stands for: an axis, [`WORD_VELOCITY`] or, behind that, reporting.
-#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(super) fn word(byte: u8) -> Option<u8> {
     Some(match byte {
         b'x'..=b'z' => byte.wrapping_sub(b'x'),
