@@ -228,7 +228,7 @@ pub(crate) unsafe fn next_message(data: *mut ProtocolData, msg: *mut ProtocolMsg
 /// # Safety
 ///
 /// msg points to a writable message outside the ring, and length is at most `DP_DATA_MAX_SIZE`.
-// On hosts a call is cheaper than to save the registers it needs in each dp_recv that waits.
+// On hosts and AVR a call is cheaper than to save the registers it needs in each dp_recv that waits.
 #[cfg_attr(any(target_pointer_width = "64", target_arch = "avr"), inline(never))]
 #[cfg_attr(not(any(target_pointer_width = "64", target_arch = "avr")), inline(always))]
 unsafe fn take_message(ring: &mut Ring<DP_BUFSIZE>, msg: *mut ProtocolMsg, opcode: Opcode, length: usize) -> bool {

@@ -20,7 +20,6 @@ use zerocopy::IntoBytes;
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -51,7 +50,6 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn welcome(device: *mut State) {
     // SAFETY: as the contract of this function asks, and there is one.
     unsafe {
@@ -69,7 +67,6 @@ unsafe fn welcome(device: *mut State) {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
     // SAFETY: as the contract of this function asks.
     unsafe { usize::from((*device).welcomed) >= usize::try_from((*(*device).table()).device_count).unwrap_or_default() }
@@ -80,8 +77,6 @@ pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
 /// # Safety
 ///
 /// See above.
-// On AVR with its caller it would have a frame of more than 64 bytes: see DeviceLink::write().
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
     // received before.
@@ -114,7 +109,6 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -129,7 +123,6 @@ unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn answer(device: *mut State, message: &Message) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -172,7 +165,6 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn speak_for(device: *mut State, info: *const DeviceInfo) {
     // SAFETY: as the contract of this function asks.
     unsafe { (*device).link.speak_for(text_of((*info).id).unwrap_or_default()) }
@@ -183,7 +175,6 @@ unsafe fn speak_for(device: *mut State, info: *const DeviceInfo) {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
@@ -234,7 +225,6 @@ unsafe fn send_link_line(device: *mut State, line: LinkLine) {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     // SAFETY: as the contract of this function asks.
     let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };

@@ -14,7 +14,6 @@ use deltarobot_protocols::line::{Encoder, Value};
 /// # Safety
 ///
 /// As for [`olp_device_init`](super::olp_device_init).
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -53,7 +52,6 @@ pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int 
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> usize {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -74,7 +72,6 @@ pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> 
 /// # Safety
 ///
 /// text is NULL or a string.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
     // SAFETY: as the contract of this function asks.
     if let Some(text) = unsafe { text_of(text) } {
@@ -87,7 +84,6 @@ unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *const DeviceInfo {
     // SAFETY: ids are NULL or strings.
     unsafe {
@@ -107,7 +103,6 @@ pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *cons
 /// # Safety
 ///
 /// See above.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn command_of<'a>(table: *const DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
     // SAFETY: as the contract of this function asks.
     unsafe {

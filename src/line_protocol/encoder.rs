@@ -240,7 +240,6 @@ fn add_text(line: &mut Encoder<'_>, name: &[u8], text: &[u8]) {
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8]>, put: Put) -> c_int {
     // SAFETY: name is NULL or a string; edit()'s contract is this function's.
     unsafe {
@@ -257,7 +256,6 @@ unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8
 /// # Safety
 ///
 /// As for [`olp_add_string`].
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(crate) unsafe fn edit(encoder: *mut LineEncoder, edit: &mut dyn FnMut(&mut Encoder<'_>)) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };

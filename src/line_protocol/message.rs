@@ -116,7 +116,6 @@ unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
 /// # Safety
 ///
 /// As for [`olp_find`].
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) unsafe fn value<'a>(
     message: *const LineMessage,
     name: *const c_char,

@@ -7,7 +7,8 @@
 /// Whether blocks are taken at a time.
 pub const WIDE: bool = cfg!(all(target_pointer_width = "64", not(small_leaves)));
 
-/// Whether copies take four bytes at a time: on 32-bit Arm that loads them from any address, as all with atomics do.
+/// Whether copies take four bytes at a time: on 32-bit Arm, where they can be loaded from any address. That is what
+/// processors with atomics do (ARMv7-M and later), and ARMv6-M does not.
 const HALVES: bool = cfg!(any(small_leaves, all(target_arch = "arm", target_has_atomic = "32")));
 
 /// Bytes taken at a time where there are so many, and where there are fewer.
@@ -344,7 +345,6 @@ const fn folded(sum: u32) -> u32 {
 
 /// Divides a number, whose lowest byte is the first, by ten, and returns what is left. Not by a division where there is
 /// none: that takes a kilobyte of flash on some controllers.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub fn divide_by_ten(number: &mut [u8]) -> u8 {
     let mut left = 0_u8;
     for byte in number.iter_mut().rev() {

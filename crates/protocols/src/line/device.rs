@@ -19,7 +19,6 @@
 
 mod answers;
 mod fault;
-mod lines;
 mod link_lines;
 mod setup;
 
@@ -30,9 +29,8 @@ use super::message::{Checksum, Message};
 use crate::session::{count, span};
 use answers::Answers;
 pub use fault::Fault;
-pub use lines::LINK_LINE_MAX;
-use lines::Lines;
-pub use link_lines::LinkLine;
+use link_lines::Lines;
+pub use link_lines::{LINK_LINE_MAX, LinkLine};
 pub use setup::Setup;
 
 /// Bytes of the longest id that a device behind a link may have.
@@ -126,7 +124,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
 
     /// It is `now`, in milliseconds: to be called before anything else that happens then, at least when the link
     /// [`is_behind`](Self::is_behind).
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn tick(&mut self, now: u32) {
         self.now = now;
         self.answers.settle(now);
@@ -147,7 +144,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// # Errors
     ///
     /// If it is not intact, what is wrong.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
         let sum = message.sum();
         match message.checksum() {
@@ -185,7 +181,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     }
 
     /// Puts a setup in force, after which nothing received before is taken for repeated.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn set_up(&mut self, setup: Setup) {
         self.lines.setup = setup;
         self.lines.has_window = 1;
@@ -193,7 +188,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     }
 
     /// Carries out a linksetup.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn change_setup(&mut self, message: &Message) {
         #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
         let has_window = self.lines.setup.change(message, WINDOW as u8);
@@ -203,7 +197,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
 
     /// The answer to the command, if it was executed before.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn repeated(&self) -> Option<&[u8]> {
         self.answers.get(self.lines.request.place)
     }
@@ -215,7 +208,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
 
     /// Makes room for the command's answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does
     /// not fit.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn begin(&mut self, command: &[u8]) -> usize {
         let mut line = Encoder::resume(self.answers.begin(self.lines.setup.window()), 0);
         line.put_all(b"c=");
@@ -227,13 +219,12 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place, for
     /// the `fault` there is or because it is too long; keeps it for repeats of the command. Its length, and the fault
     /// that it reports.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn finish(&mut self, length: usize, mut fault: Option<Fault>) -> (usize, Option<Fault>) {
         let request = self.lines.request;
         let room = self.answers.room();
         let mut written = 0;
         if fault.is_none() {
-            written = self.lines.end(&mut Encoder::resume(room, length), self.lines.id());
+            written = self.lines.end_with_t(&mut Encoder::resume(room, length), self.lines.id());
             if written == 0 {
                 fault = Some(Fault::TooLong);
             }
@@ -250,16 +241,14 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
 
     /// Ends an event: adds id, t and the end of the line. Its length, or 0 when there is an error in it; then it does
     /// not count.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> usize {
-        let length = self.lines.end(event, id);
+        let length = self.lines.end_with_t(event, id);
         if length != 0 {
             self.advance(1);
         }
         length
     }
 
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn count(&mut self, fault: Fault) {
         count(match fault {
             Fault::Checksum => &mut self.health.checksums,
@@ -286,14 +275,12 @@ impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REP
 /// Whether a device behind a link may have that id: one to [`ID_MAX`] of the bytes that need no encoding,
 /// `[0-9A-Za-z._-]`.
 #[must_use]
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub fn is_id(id: &[u8]) -> bool {
     !id.is_empty() && id.len() <= ID_MAX && id.iter().all(|byte| is_plain(*byte))
 }
 
 /// Whether a command is the one that the link itself executes.
 #[must_use]
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub fn is_setup(message: &Message) -> bool {
     message.command().is(LINKSETUP)
 }

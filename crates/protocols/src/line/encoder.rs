@@ -91,7 +91,6 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn text(&mut self, name: &[u8], text: &[u8]) -> &mut Self {
         self.name(name);
         for byte in text {
@@ -136,7 +135,6 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds an integer of at most 16 bits, such as `t`.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn word(&mut self, name: &[u8], value: u16) -> &mut Self {
         self.text(name, b"");
         self.number(b"", value.into());
@@ -144,7 +142,6 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds an integer behind `&`, a name that needs no check, and `=`, which are given as one.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn number(&mut self, name: &[u8], value: i32) {
         self.put_all(name);
         self.put_all(value.write(&mut decimal::zeros()));
@@ -173,7 +170,6 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds these digits to the value that the line ends with.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn put_hex(&mut self, value: u16) {
         let [high, low] = value.to_be_bytes();
         self.put_digits(high, b'a');
@@ -237,14 +233,12 @@ impl<'a> Encoder<'a> {
     }
 
     /// Adds the two hexadecimal digits of a byte; `ten` is the one of 10.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn put_digits(&mut self, byte: u8, ten: u8) {
         self.put(digit(byte >> 4, ten));
         self.put(digit(byte & 0xF, ten));
     }
 
     /// From here on there is no room, so that nothing more is added.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn fail(&mut self, error: EncodeError) {
         self.error = self.error.or(Some(error));
         self.length = 0;
@@ -256,7 +250,6 @@ impl<'a> Encoder<'a> {
 }
 
 /// Whether a command may have that name.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) fn is_name(name: &[u8]) -> bool {
     !name.is_empty() && name.iter().all(|byte| is_plain(*byte) && !matches!(byte, b'.' | b'-'))
 }
@@ -267,13 +260,11 @@ pub(super) fn is_param_name(name: &[u8]) -> bool {
 }
 
 /// Whether a byte of a text needs no encoding.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) const fn is_plain(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-')
 }
 
 /// The hexadecimal digit of 0 to 15; `ten` is the one of 10.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 const fn digit(value: u8, ten: u8) -> u8 {
     if value < 10 { b'0'.wrapping_add(value) } else { ten.wrapping_add(value).wrapping_sub(10) }
 }

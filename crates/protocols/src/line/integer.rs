@@ -23,14 +23,12 @@ pub trait Integer: Copy {
 macro_rules! integer {
     ($type:ty) => {
         impl Integer for $type {
-            #[cfg_attr(target_pointer_width = "16", inline(never))]
             fn read(text: Decoded<'_>) -> Result<Self, NumberError> {
                 let mut bytes = [0; size_of::<Self>()];
                 read_number(text, &mut bytes)?;
                 Ok(Self::from_le_bytes(bytes))
             }
 
-            #[cfg_attr(target_pointer_width = "16", inline(never))]
             fn write(self, room: &mut IntegerText) -> &[u8] {
                 write_digits(self < 0, &mut self.unsigned_abs().to_le_bytes(), room)
             }
@@ -41,7 +39,6 @@ integer!(i32);
 integer!(i64);
 
 /// Reads an integer of so many bytes, which are zero, the lowest first.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn read_number(text: Decoded<'_>, number: &mut [u8]) -> Result<(), NumberError> {
     let (negative, mut text) = signed(text);
     let (mut begun, mut beyond) = (false, false);
@@ -64,7 +61,6 @@ fn read_number(text: Decoded<'_>, number: &mut [u8]) -> Result<(), NumberError> 
 }
 
 /// Multiplies by ten and adds a digit; whether that is beyond the number's bytes.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn append_digit(number: &mut [u8], digit: u8) -> bool {
     let mut carry = digit;
     for byte in number {
@@ -73,7 +69,6 @@ fn append_digit(number: &mut [u8], digit: u8) -> bool {
     carry != 0
 }
 
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn negate(number: &mut [u8]) {
     let mut carry = true;
     for byte in number {
@@ -81,12 +76,10 @@ fn negate(number: &mut [u8]) {
     }
 }
 
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn is_below_zero(number: &[u8]) -> bool {
     number.last().is_some_and(|top| *top >= 0x80)
 }
 
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn write_digits<'a>(negative: bool, amount: &mut [u8], room: &'a mut IntegerText) -> &'a [u8] {
     let room = room.as_mut_bytes();
     let mut at = room.len();

@@ -154,7 +154,6 @@ impl<'a> Message<'a> {
 
     /// The same; nothing when there is none.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn text(&self, name: &[u8]) -> Value<'a> {
         self.get(name).unwrap_or_default()
     }
@@ -189,7 +188,6 @@ impl<'a> Params<'a> {
 
     /// The value of what [`find_named`](Self::find_named) finds.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn value(self, name: &[u8], mut occurrence: usize) -> Option<Value<'a>> {
         let mut rest = self.rest;
         loop {
@@ -226,26 +224,22 @@ impl<'a> Iterator for Params<'a> {
 }
 
 /// What stands before the first of these bytes.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn before(bytes: &[u8], end: u8) -> &[u8] {
     let place = bytes.iter().position(|byte| *byte == end).unwrap_or(bytes.len());
     bytes.get(..place).unwrap_or_default()
 }
 
 /// What stands behind the byte that ended the beginning.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn behind<'a>(bytes: &'a [u8], beginning: &[u8]) -> &'a [u8] {
     bytes.get(beginning.len().wrapping_add(1)..).unwrap_or_default()
 }
 
 /// Whether some bytes are equal; not by a call of memcmp.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) fn same(one: &[u8], other: &[u8]) -> bool {
     one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one == other)
 }
 
 /// A line without the LF or CR LF it may end with.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) const fn without_end(line: &[u8]) -> &[u8] {
     let ([line @ .., b'\r', b'\n'] | [line @ .., b'\n'] | line) = line;
     line

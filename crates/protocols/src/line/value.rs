@@ -56,7 +56,6 @@ impl<'a> Value<'a> {
 
     /// Whether that is the decoded text.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn is(self, text: &[u8]) -> bool {
         let mut own = self.bytes();
         for byte in text {
@@ -98,7 +97,6 @@ impl<'a> Value<'a> {
 
     /// Reads an integer of 0 to 255, such as `t`.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn byte(self) -> Option<u8> {
         let [byte, 0] = self.word()?.to_le_bytes() else { return None };
         Some(byte)
@@ -106,7 +104,6 @@ impl<'a> Value<'a> {
 
     /// Reads an integer of 0 to 65535, such as a window size.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn word(self) -> Option<u16> {
         let [low, high, 0, 0] = self.int::<i32>().ok()?.to_le_bytes() else { return None };
         Some(u16::from_le_bytes([low, high]))
@@ -114,7 +111,6 @@ impl<'a> Value<'a> {
 
     /// Reads four hexadecimal digits of either case: a checksum.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn hex(self) -> Option<u16> {
         if self.0.len() != 4 {
             return None;
@@ -151,7 +147,6 @@ pub struct Decoded<'a> {
 impl Iterator for Decoded<'_> {
     type Item = u8;
 
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn next(&mut self) -> Option<u8> {
         let (first, mut rest) = self.rest.split_first()?;
         let mut byte = *first;
@@ -187,7 +182,6 @@ pub(super) fn only_spaces(mut text: Decoded<'_>) -> bool {
 }
 
 /// The value of a hexadecimal digit.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 pub(super) const fn digit(byte: u8) -> Option<u8> {
     match byte {
         b'0'..=b'9' => Some(byte.wrapping_sub(b'0')),

@@ -82,7 +82,6 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
     }
 
     /// Where the answer to a command is, if that is not forgotten. It is repeated `now`.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub(super) fn find(&mut self, t: u8, sum: u16, now: u32) -> Option<u8> {
         let mut place = 0_u8;
         for slot in &mut self.slots {
@@ -116,7 +115,6 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
 
     /// Keeps the answer begun last, which has become that long, for repeats of the command. A sum of 0, which no line
     /// has, is that of one that is not to be found.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub(super) fn keep(&mut self, t: u8, sum: u16, length: usize) {
         self.fresh = 1;
         let slot = self.newest_slot();
@@ -125,7 +123,6 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         slot.length = u8::try_from(length).unwrap_or_default();
     }
 
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn newest_slot(&mut self) -> &mut Answer<REPLY> {
         let place = if usize::from(self.newest) < WINDOW { usize::from(self.newest) } else { 0 };
         #[expect(clippy::indexing_slicing, reason = "in range, as the line above sees to")]

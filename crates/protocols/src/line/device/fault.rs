@@ -23,7 +23,6 @@ pub enum Fault {
 impl Fault {
     /// The code in words of the protocol.
     #[must_use]
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub const fn code(self) -> &'static [u8] {
         match self {
             Self::Checksum => b"checksum",

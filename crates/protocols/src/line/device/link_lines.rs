@@ -1,6 +1,12 @@
 //! The lines that the link itself sends: acks, `linksetup`, `linksetup_resp` and `onerror`.
 
-use super::{DeviceLink, Fault};
+use zerocopy::FromBytes;
+
+use super::{DeviceLink, Fault, ID_MAX, LINKSETUP, Request, Setup, is_id};
+use crate::line::encoder::Encoder;
+
+/// Room for any of them.
+pub const LINK_LINE_MAX: usize = 80;
 
 /// One of these lines.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +25,6 @@ pub enum LinkLine {
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// Writes such a line and returns its length, 0 when there is none to be sent.
-    // The room lies in its caller's frame, and on AVR what lies behind the first 64 bytes of one takes five
-    // instructions to reach.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn write(&mut self, line: LinkLine, room: &mut [u8]) -> usize {
         let mut steps = 0;
         let length = match line {
@@ -41,17 +44,117 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         length
     }
 
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     fn write_fault(&mut self, fault: Fault, answers: bool, room: &mut [u8]) -> usize {
         self.count(fault);
         self.lines.write_fault(fault, answers, room)
     }
 }
 
+/// What lines are written from.
+#[derive(Clone, Debug, FromBytes)]
+#[repr(C)]
+pub(super) struct Lines {
+    /// The t of the next message.
+    pub(super) next: u8,
+    pub(super) setup: Setup,
+    /// Not 0: lines about the setup have the window even if that is 1.
+    pub(super) has_window: u8,
+    /// The command that was accepted last.
+    pub(super) request: Request,
+    /// The device that lines are of, if a device can have that id.
+    id_length: u8,
+    id: [u8; ID_MAX],
+}
+
+impl Lines {
+    pub(super) const fn new() -> Self {
+        let request = Request { t: 0, has_t: 0, place: 0, sum: 0 };
+        let setup = Setup::new(false, false, 0);
+        Self { next: 0, setup, has_window: 0, request, id_length: 0, id: [0; ID_MAX] }
+    }
+
+    pub(super) fn speak_for(&mut self, id: &[u8]) {
+        self.id_length = 0;
+        if is_id(id) {
+            for (place, byte) in self.id.iter_mut().zip(id) {
+                *place = *byte;
+                self.id_length = self.id_length.wrapping_add(1);
+            }
+        }
+    }
+
+    /// The device that lines are of.
+    pub(super) fn id(&self) -> &[u8] {
+        self.id.get(..usize::from(self.id_length)).unwrap_or_default()
+    }
+
+    /// Ends a line by id and t.
+    pub(super) fn end_with_t(&self, line: &mut Encoder, id: &[u8]) -> usize {
+        add_id(line, id);
+        line.number(b"&t=", self.next.into());
+        line.finish(false).unwrap_or(0)
+    }
+
+    /// Ends a line by t, the command's if it answers one that has one, and id.
+    fn end_with_id(&self, line: &mut Encoder, answers: bool) -> usize {
+        let mut t = self.next;
+        if answers {
+            t = self.request.t;
+        }
+        if !answers || self.request.has_t != 0 {
+            line.number(b"&t=", t.into());
+        }
+        add_id(line, self.id());
+        line.finish(false).unwrap_or(0)
+    }
+
+    /// Writes an ack.
+    fn write_ack(&self, room: &mut [u8]) -> usize {
+        let mut line = Encoder::resume(room, 0);
+        line.put_all(b"c=ack&checksum=");
+        if self.setup.checks() {
+            line.put_hex(self.request.sum);
+        } else {
+            line.put_all(b"null");
+        }
+        self.end_with_id(&mut line, true)
+    }
+
+    /// Writes an `onerror`, which answers the command or is an event.
+    pub(super) fn write_fault(&self, fault: Fault, answers: bool, room: &mut [u8]) -> usize {
+        let mut line = Encoder::resume(room, 0);
+        line.put_all(b"c=onerror&code=");
+        line.put_all(fault.code());
+        self.end_with_id(&mut line, answers)
+    }
+
+    /// Writes which setup is in force.
+    fn write_setup(&self, answers: bool, room: &mut [u8]) -> usize {
+        let mut line = Encoder::resume(room, 0);
+        line.put_all(b"c=");
+        line.put_all(LINKSETUP);
+        if answers {
+            line.put_all(b"_resp");
+        }
+        if self.has_window != 0 || self.setup.window() != 1 {
+            line.word(b"windowsize", self.setup.window().into());
+        }
+        line.text(b"ack", if self.setup.acks() { b"on" } else { b"off" });
+        line.text(b"checksum", if self.setup.checks() { b"fletcher16" } else { b"none" });
+        if answers { self.end_with_t(&mut line, self.id()) } else { self.end_with_id(&mut line, false) }
+    }
+}
+
+fn add_id(line: &mut Encoder, id: &[u8]) {
+    if !id.is_empty() {
+        line.put_all(b"&id=");
+        line.put_all(id);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::device::{ID_MAX, LINK_LINE_MAX, Request, Setup};
 
     #[test]
     fn every_line_of_the_link_fits_its_room() {

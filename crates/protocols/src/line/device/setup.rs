@@ -41,7 +41,6 @@ impl Setup {
 
     /// Puts in force what a linksetup says, but a window of at most `most`. What it leaves out or says otherwise than
     /// the page stays as it is: the answer has what is in force. Whether it says anything about the window.
-    #[cfg_attr(target_pointer_width = "16", inline(never))]
     pub fn change(&mut self, message: &Message, most: u8) -> bool {
         self.ack = choice(message.text(b"ack"), b"on", b"off", self.ack);
         self.checksum = choice(message.text(b"checksum"), b"fletcher16", b"none", self.checksum);
@@ -54,7 +53,6 @@ impl Setup {
 }
 
 /// 1 or 0 as a value says by one word or the other, or what it was.
-#[cfg_attr(target_pointer_width = "16", inline(never))]
 fn choice(value: Value<'_>, on: &[u8], off: &[u8], was: u8) -> u8 {
     if value.is(on) {
         1
