@@ -1,11 +1,13 @@
 //! What a motion side reports to its firmware.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use core::mem::take;
+
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
 use crate::gx::Numbered;
 
 /// What happened at the motion side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, TryFromBytes)]
 #[repr(u8)]
 pub enum EventKind {
     /// A move was queued.
@@ -65,22 +67,10 @@ impl Pending {
     }
 
     /// `period` is that of reports.
-    pub(super) const fn take(&mut self, period: u16) -> Option<Event> {
-        let stored = self.kind;
-        self.kind = 0;
-        let kind = match stored {
-            1 => EventKind::Queued,
-            2 => EventKind::Repeated,
-            3 => EventKind::Refused,
-            4 => EventKind::Begun,
-            5 => EventKind::Reporting,
-            6 => EventKind::Hold,
-            7 => EventKind::Resume,
-            8 => EventKind::Stop,
-            _ => return None,
-        };
-        let number = if stored < EventKind::Reporting as u8 { self.number } else { Numbered::NONE };
-        let period = if stored == EventKind::Reporting as u8 { period } else { 0 };
+    pub(super) fn take(&mut self, period: u16) -> Option<Event> {
+        let kind = EventKind::try_read_from_bytes(&[take(&mut self.kind)]).ok()?;
+        let number = if kind < EventKind::Reporting { self.number } else { Numbered::NONE };
+        let period = if kind == EventKind::Reporting { period } else { 0 };
         Some(Event { kind, number, code: self.code, period })
     }
 }
