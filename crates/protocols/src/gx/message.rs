@@ -1,6 +1,6 @@
 //! What commands and notices are made of besides vectors: numbers, formats, kinds and codes.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
 use super::packed::{NUMBER_MAX, halves};
 
@@ -98,7 +98,7 @@ pub enum Kind {
 }
 
 /// What a host asks for past the queue: an extension, which a motion side that does not know it refuses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
 #[repr(u8)]
 pub enum Control {
     /// The status.
@@ -120,16 +120,9 @@ impl Control {
 
     /// What was written asks for.
     #[must_use]
-    pub const fn of(bits: u16) -> Option<Self> {
+    pub fn of(bits: u16) -> Option<Self> {
         let [complement, code] = halves(bits);
-        match code {
-            _ if code ^ complement != 0x7F => None,
-            0 => Some(Self::Query),
-            1 => Some(Self::Hold),
-            2 => Some(Self::Resume),
-            3 => Some(Self::Stop),
-            _ => None,
-        }
+        if code ^ complement == 0x7F { Self::try_read_from_bytes(&[code]).ok() } else { None }
     }
 }
 
