@@ -1,7 +1,7 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Prints sizes, speeds and coverage as one page of Markdown: figures.sh LIBDIR WORKDIR [BUFSIZE DATA_MAX]. Called by
 # `make figures`, which has built the library in LIBDIR and, below target/firmware, those for FIRMWARE_TARGETS.
-set -eu
+set -euo pipefail
 work=$2
 here=$(dirname "$0")
 mkdir -p "$work"
@@ -53,7 +53,9 @@ loop that calls, those before without. \`model\` is a model of the original's al
 \`make firmware-bench\`.
 
 \`\`\`text
-$(HOST_LIB=$1 "$here/../firmware/run.sh" bench)
+END
+HOST_LIB=$1 "$here/../firmware/run.sh" bench
+cat <<END
 \`\`\`
 
 ## Lines of the library that the tests run

@@ -409,7 +409,7 @@ pub(crate) fn build(program: &Program, library: &Library, mode: Mode) -> Option<
         }
     }
     let output = run(&mut command);
-    assert!(output.status.success(), "{} does not compile:\n{command:?}\n{}", program.name, text(&output));
+    assert!(output.status.success(), "{} does not compile: {:?}\n{}", program.name, command.get_args(), text(&output));
     fs::rename(new, &executable).unwrap();
     Some(executable)
 }
