@@ -138,7 +138,7 @@ pub struct DeviceTable {
 }
 
 /// Words of a device, with some room to spare.
-pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 41;
+pub const OLP_DEVICE_WORDS: usize = OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11) / 4 + 37;
 
 /// The device's end of a link. All zero is one that `olp_device_init` has not made yet.
 #[derive(Debug)]

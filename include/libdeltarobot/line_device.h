@@ -68,7 +68,7 @@ extern "C" {
 /** Length of the longest id that a device behind a link may have. */
 #define OLP_ID_MAX 10
 /** Words of a device, with some room to spare. */
-#define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 41)
+#define OLP_DEVICE_WORDS (((OLP_WINDOW_MAX * (OLP_REPLY_MAX + 11)) / 4) + 37)
 
 /** The device's end of a link. All zero is one that `olp_device_init` has not made yet. */
 struct olp_device {

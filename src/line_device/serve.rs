@@ -7,7 +7,7 @@
 use core::ffi::c_int;
 
 use super::table::{command_of, device_of, write_welcome};
-use super::{Command, DeviceInfo, State};
+use super::{Command, State};
 use crate::line_protocol::message::view;
 use crate::line_protocol::{LineEncoder, OLP_RC_BUSY, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
 use crate::memory::{int, text_of};
@@ -34,8 +34,7 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
         } else if (*device).announces != 0 {
             (*device).announces = 0;
             (*device).link.set_up((*device).setup);
-            speak_for(device, (*(*device).table()).devices);
-            send_link_line(device, LinkLine::Setup);
+            send_link_line(device, LinkLine::Setup, first_id(device));
         } else {
             (*device).greeted = 1;
             rc = answer_line(device, now);
@@ -112,8 +111,7 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
 unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
-        speak_for(device, (*(*device).table()).devices);
-        send_link_line(device, LinkLine::Event(fault));
+        send_link_line(device, LinkLine::Event(fault), first_id(device));
     }
     OLP_RC_SUCCESS
 }
@@ -129,16 +127,12 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
         let table = (*device).table();
         let asked = message.text(b"id");
         let known = device_of(table, asked);
-        if known.is_null() {
-            (*device).link.speak_for(asked.raw());
-        } else {
-            speak_for(device, known);
-        }
+        let id = if known.is_null() { asked.raw() } else { text_of((*known).id).unwrap_or_default() };
         let sets_up = !known.is_null() && is_setup(message);
         if sets_up {
             (*device).link.change_setup(message);
         }
-        send_link_line(device, LinkLine::Ack);
+        send_link_line(device, LinkLine::Ack, id);
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
@@ -151,23 +145,23 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
             send(device, line, length);
             return OLP_RC_SUCCESS;
         } else if let Some(command) = command_of(table, asked, message.command()) {
-            return execute(device, command, message);
+            return execute(device, command, message, id);
         } else {
             LinkLine::Answer(Fault::UnknownCommand)
         };
-        send_link_line(device, line);
+        send_link_line(device, line, id);
     }
     OLP_RC_SUCCESS
 }
 
-/// The lines of the link that follow are of that device.
+/// The first device's id: that of what nobody asked for.
 ///
 /// # Safety
 ///
 /// See above.
-unsafe fn speak_for(device: *mut State, info: *const DeviceInfo) {
-    // SAFETY: as the contract of this function asks.
-    unsafe { (*device).link.speak_for(text_of((*info).id).unwrap_or_default()) }
+unsafe fn first_id<'a>(device: *const State) -> &'a [u8] {
+    // SAFETY: as the contract of this function asks: ids are strings, and stay.
+    unsafe { text_of((*(*(*device).table()).devices).id).unwrap_or_default() }
 }
 
 /// Has a command executed, and answers it.
@@ -175,7 +169,7 @@ unsafe fn speak_for(device: *mut State, info: *const DeviceInfo) {
 /// # Safety
 ///
 /// See above.
-unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c_int {
+unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: &[u8]) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
     unsafe {
@@ -195,7 +189,7 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c
         }
         // A length below 0 is too long.
         let written = usize::try_from(answer.length).unwrap_or(usize::MAX);
-        let (length, fault) = (*device).link.finish(written, fault);
+        let (length, fault) = (*device).link.finish(written, fault, id);
         let line = (*device).link.room().as_ptr();
         send(device, line, length);
         match (fault, answer.error) {
@@ -212,12 +206,12 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message) -> c
 ///
 /// See above.
 #[inline(never)]
-unsafe fn send_link_line(device: *mut State, line: LinkLine) {
+unsafe fn send_link_line(device: *mut State, line: LinkLine, id: &[u8]) {
     let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
     let room = room.as_mut_bytes();
     // SAFETY: see above.
     unsafe {
-        let length = (*device).link.write(line, room);
+        let length = (*device).link.write(line, id, room);
         send(device, room.as_ptr(), length);
     }
 }

@@ -93,8 +93,7 @@ impl Devices {
         }
         if let Some(setup) = self.setup {
             self.link.set_up(setup);
-            self.link.speak_for(MANAGER);
-            let length = self.link.write(LinkLine::Setup, &mut room);
+            let length = self.link.write(LinkLine::Setup, MANAGER, &mut room);
             add(out, &room, length);
         }
     }
@@ -111,8 +110,7 @@ impl Devices {
             Ok(message) => answer(&mut self.link, &mut self.board, &message, out),
             Err(fault) => {
                 let mut room = [0; LINK_LINE_MAX];
-                self.link.speak_for(MANAGER);
-                let length = self.link.write(LinkLine::Event(fault), &mut room);
+                let length = self.link.write(LinkLine::Event(fault), MANAGER, &mut room);
                 add(out, &room, length);
             }
         }
@@ -125,12 +123,12 @@ fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, out: &mut
     let mut room = [0; REPLY_MAX];
     let asked = message.text(b"id");
     let known = board::DEVICES.iter().map(|device| device.id).find(|id| asked.is(id));
-    link.speak_for(known.unwrap_or(asked.raw()));
+    let id = known.unwrap_or(asked.raw());
     let is_setup = known.is_some() && is_setup(message);
     if is_setup {
         link.change_setup(message);
     }
-    let length = link.write(LinkLine::Ack, &mut room);
+    let length = link.write(LinkLine::Ack, id, &mut room);
     add(out, &room, length);
 
     let answer = match known {
@@ -145,24 +143,24 @@ fn answer(link: &mut DeviceLink, board: &mut Board, message: &Message, out: &mut
                 let begun = said.length();
                 let result = board.execute(command, message, &mut said);
                 let length = said.length();
-                return finish(link, command, result.map(|()| room.get(begun..length).unwrap_or_default()), out);
+                return finish(link, command, id, result.map(|()| room.get(begun..length).unwrap_or_default()), out);
             }
             LinkLine::Answer(Fault::UnknownCommand)
         }
     };
-    let length = link.write(answer, &mut room);
+    let length = link.write(answer, id, &mut room);
     add(out, &room, length);
 }
 
 /// Finishes the answer to a command, which has these parameters.
-fn finish(link: &mut DeviceLink, command: &[u8], params: Result<&[u8], Fault>, out: &mut Vec<u8>) {
+fn finish(link: &mut DeviceLink, command: &[u8], id: &[u8], params: Result<&[u8], Fault>, out: &mut Vec<u8>) {
     let begun = link.begin(command);
     let written = params.and_then(|params| {
         let end = begun + params.len();
         link.room().get_mut(begun..end).ok_or(Fault::TooLong)?.copy_from_slice(params);
         Ok(end)
     });
-    let (length, _) = link.finish(written.unwrap_or_default(), written.err());
+    let (length, _) = link.finish(written.unwrap_or_default(), written.err(), id);
     add(out, link.room(), length);
 }
 

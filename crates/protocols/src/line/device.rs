@@ -117,11 +117,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         &self.health
     }
 
-    /// The lines of the link that follow are of the device of this id; of none, if no device can have it.
-    pub fn speak_for(&mut self, id: &[u8]) {
-        self.lines.speak_for(id);
-    }
-
     /// It is `now`, in milliseconds: to be called before anything else that happens then, at least when the link
     /// [`is_behind`](Self::is_behind).
     pub fn tick(&mut self, now: u32) {
@@ -216,21 +211,21 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         line.length()
     }
 
-    /// Finishes the answer of which so many bytes are in its room, by id and t, or puts an `onerror` in its place, for
+    /// Finishes the answer of which so many bytes are in its room, by this id and t, or puts an `onerror` in its place, for
     /// the `fault` there is or because it is too long; keeps it for repeats of the command. Its length, and the fault
     /// that it reports.
-    pub fn finish(&mut self, length: usize, mut fault: Option<Fault>) -> (usize, Option<Fault>) {
+    pub fn finish(&mut self, length: usize, mut fault: Option<Fault>, id: &[u8]) -> (usize, Option<Fault>) {
         let request = self.lines.request;
         let room = self.answers.room();
         let mut written = 0;
         if fault.is_none() {
-            written = self.lines.end_with_t(&mut Encoder::resume(room, length), self.lines.id());
+            written = self.lines.end_with_t(&mut Encoder::resume(room, length), id);
             if written == 0 {
                 fault = Some(Fault::TooLong);
             }
         }
         if let Some(fault) = fault {
-            written = self.lines.write_fault(fault, true, room);
+            written = self.lines.write_fault(fault, true, id, room);
             self.count(fault);
         } else {
             self.advance(1);
@@ -303,20 +298,19 @@ mod tests {
         let mut room = [0; LINK_LINE_MAX];
         let mut sent = String::new();
         device.tick(now);
-        device.speak_for(ID);
         let message = Message::parse(line).map_err(|_| Fault::Malformed);
         if let Err(fault) = message.and_then(|message| device.accept(&message, now)) {
-            let length = device.write(LinkLine::Event(fault), &mut room);
+            let length = device.write(LinkLine::Event(fault), ID, &mut room);
             return text(&room[..length]);
         }
         let message = message.unwrap();
         if is_setup(&message) {
             device.change_setup(&message);
         }
-        let length = device.write(LinkLine::Ack, &mut room);
+        let length = device.write(LinkLine::Ack, ID, &mut room);
         sent += &text(&room[..length]);
         if is_setup(&message) {
-            let length = device.write(LinkLine::SetupAnswer, &mut room);
+            let length = device.write(LinkLine::SetupAnswer, ID, &mut room);
             return sent + &text(&room[..length]);
         }
         if let Some(answer) = device.repeated() {
@@ -324,7 +318,7 @@ mod tests {
         }
         let begun = device.begin(message.command().raw());
         device.room()[begun..begun + 8].copy_from_slice(b"&state=1");
-        let (length, _) = device.finish(begun + 8, None);
+        let (length, _) = device.finish(begun + 8, None, ID);
         sent + &text(&device.room()[..length])
     }
 
@@ -371,13 +365,12 @@ mod tests {
     #[test]
     fn answers_without_room_are_errors() {
         let mut device = Link::new();
-        device.speak_for(ID);
         device.lines.request = Request { t: 200, has_t: 1, sum: 1, ..Request::default() };
         for fill in 96 - 30..=96 {
             let begun = device.begin(b"x");
             device.room()[begun..fill].fill(b'y');
             let fits = fill + "&id=9o5qzg&t=0\n".len() <= 96;
-            let (length, fault) = device.finish(fill, None);
+            let (length, fault) = device.finish(fill, None, ID);
             let answer = text(&device.room()[..length]);
             assert_eq!(fault, (!fits).then_some(Fault::TooLong));
             assert_eq!(answer.starts_with("c=x_respy"), fits, "{fill}");

@@ -2,7 +2,7 @@
 
 use zerocopy::FromBytes;
 
-use super::{DeviceLink, Fault, ID_MAX, LINKSETUP, Request, Setup, is_id};
+use super::{DeviceLink, Fault, LINKSETUP, Request, Setup, is_id};
 use crate::line::encoder::Encoder;
 
 /// Room for any of them.
@@ -24,29 +24,30 @@ pub enum LinkLine {
 }
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
-    /// Writes such a line and returns its length, 0 when there is none to be sent.
-    pub fn write(&mut self, line: LinkLine, room: &mut [u8]) -> usize {
+    /// Writes such a line of the device of this id (of none, if no device can have it) and returns its length, 0 when
+    /// there is none to be sent.
+    pub fn write(&mut self, line: LinkLine, id: &[u8], room: &mut [u8]) -> usize {
         let mut steps = 0;
         let length = match line {
             LinkLine::Ack if !self.lines.setup.acks() => 0,
-            LinkLine::Ack => self.lines.write_ack(room),
+            LinkLine::Ack => self.lines.write_ack(id, room),
             LinkLine::Setup | LinkLine::SetupAnswer => {
                 steps = 1;
-                self.lines.write_setup(matches!(line, LinkLine::SetupAnswer), room)
+                self.lines.write_setup(matches!(line, LinkLine::SetupAnswer), id, room)
             }
-            LinkLine::Answer(fault) => self.write_fault(fault, true, room),
+            LinkLine::Answer(fault) => self.write_fault(fault, true, id, room),
             LinkLine::Event(fault) => {
                 steps = 1;
-                self.write_fault(fault, false, room)
+                self.write_fault(fault, false, id, room)
             }
         };
         self.advance(steps);
         length
     }
 
-    fn write_fault(&mut self, fault: Fault, answers: bool, room: &mut [u8]) -> usize {
+    fn write_fault(&mut self, fault: Fault, answers: bool, id: &[u8], room: &mut [u8]) -> usize {
         self.count(fault);
-        self.lines.write_fault(fault, answers, room)
+        self.lines.write_fault(fault, answers, id, room)
     }
 }
 
@@ -61,31 +62,13 @@ pub(super) struct Lines {
     pub(super) has_window: u8,
     /// The command that was accepted last.
     pub(super) request: Request,
-    /// The device that lines are of, if a device can have that id.
-    id_length: u8,
-    id: [u8; ID_MAX],
 }
 
 impl Lines {
     pub(super) const fn new() -> Self {
         let request = Request { t: 0, has_t: 0, place: 0, sum: 0 };
         let setup = Setup::new(false, false, 0);
-        Self { next: 0, setup, has_window: 0, request, id_length: 0, id: [0; ID_MAX] }
-    }
-
-    pub(super) fn speak_for(&mut self, id: &[u8]) {
-        self.id_length = 0;
-        if is_id(id) {
-            for (place, byte) in self.id.iter_mut().zip(id) {
-                *place = *byte;
-                self.id_length = self.id_length.wrapping_add(1);
-            }
-        }
-    }
-
-    /// The device that lines are of.
-    pub(super) fn id(&self) -> &[u8] {
-        self.id.get(..usize::from(self.id_length)).unwrap_or_default()
+        Self { next: 0, setup, has_window: 0, request }
     }
 
     /// Ends a line by id and t.
@@ -96,7 +79,7 @@ impl Lines {
     }
 
     /// Ends a line by t, the command's if it answers one that has one, and id.
-    fn end_with_id(&self, line: &mut Encoder, answers: bool) -> usize {
+    fn end_with_id(&self, line: &mut Encoder, answers: bool, id: &[u8]) -> usize {
         let mut t = self.next;
         if answers {
             t = self.request.t;
@@ -104,12 +87,12 @@ impl Lines {
         if !answers || self.request.has_t != 0 {
             line.number(b"&t=", t.into());
         }
-        add_id(line, self.id());
+        add_id(line, id);
         line.finish(false).unwrap_or(0)
     }
 
     /// Writes an ack.
-    fn write_ack(&self, room: &mut [u8]) -> usize {
+    fn write_ack(&self, id: &[u8], room: &mut [u8]) -> usize {
         let mut line = Encoder::resume(room, 0);
         line.put_all(b"c=ack&checksum=");
         if self.setup.checks() {
@@ -117,19 +100,19 @@ impl Lines {
         } else {
             line.put_all(b"null");
         }
-        self.end_with_id(&mut line, true)
+        self.end_with_id(&mut line, true, id)
     }
 
     /// Writes an `onerror`, which answers the command or is an event.
-    pub(super) fn write_fault(&self, fault: Fault, answers: bool, room: &mut [u8]) -> usize {
+    pub(super) fn write_fault(&self, fault: Fault, answers: bool, id: &[u8], room: &mut [u8]) -> usize {
         let mut line = Encoder::resume(room, 0);
         line.put_all(b"c=onerror&code=");
         line.put_all(fault.code());
-        self.end_with_id(&mut line, answers)
+        self.end_with_id(&mut line, answers, id)
     }
 
     /// Writes which setup is in force.
-    fn write_setup(&self, answers: bool, room: &mut [u8]) -> usize {
+    fn write_setup(&self, answers: bool, id: &[u8], room: &mut [u8]) -> usize {
         let mut line = Encoder::resume(room, 0);
         line.put_all(b"c=");
         line.put_all(LINKSETUP);
@@ -141,12 +124,12 @@ impl Lines {
         }
         line.text(b"ack", if self.setup.acks() { b"on" } else { b"off" });
         line.text(b"checksum", if self.setup.checks() { b"fletcher16" } else { b"none" });
-        if answers { self.end_with_t(&mut line, self.id()) } else { self.end_with_id(&mut line, false) }
+        if answers { self.end_with_t(&mut line, id) } else { self.end_with_id(&mut line, false, id) }
     }
 }
 
 fn add_id(line: &mut Encoder, id: &[u8]) {
-    if !id.is_empty() {
+    if is_id(id) {
         line.put_all(b"&id=");
         line.put_all(id);
     }
@@ -155,21 +138,21 @@ fn add_id(line: &mut Encoder, id: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line::device::ID_MAX;
 
     #[test]
     fn every_line_of_the_link_fits_its_room() {
         let id = [b'x'; ID_MAX];
         let mut device = DeviceLink::<1, 64>::new();
         device.set_up(Setup::new(true, true, 1));
-        device.speak_for(&id);
         device.lines.next = 255;
         let mut room = [0; LINK_LINE_MAX];
         device.lines.request = Request { t: 255, has_t: 1, place: 255, sum: 0xFFFF };
-        assert_ne!(device.write(LinkLine::Ack, &mut room), 0);
+        assert_ne!(device.write(LinkLine::Ack, &id, &mut room), 0);
         device.set_up(Setup::new(false, true, u8::MAX));
-        assert_ne!(device.write(LinkLine::Setup, &mut room), 0);
+        assert_ne!(device.write(LinkLine::Setup, &id, &mut room), 0);
         device.lines.next = 255;
-        assert_ne!(device.write(LinkLine::SetupAnswer, &mut room), 0);
+        assert_ne!(device.write(LinkLine::SetupAnswer, &id, &mut room), 0);
         for fault in [
             Fault::Checksum,
             Fault::Overflow,
@@ -179,9 +162,9 @@ mod tests {
             Fault::Refused,
             Fault::TooLong,
         ] {
-            assert_ne!(device.write(LinkLine::Answer(fault), &mut room), 0);
+            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut room), 0);
             // In place of an answer, whatever that may have.
-            assert_ne!(device.write(LinkLine::Answer(fault), &mut [0; 64]), 0);
+            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut [0; 64]), 0);
         }
     }
 }
