@@ -127,7 +127,7 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
         let table = (*device).table();
         let asked = message.text(b"id");
         let known = device_of(table, asked);
-        let id = if known.is_null() { asked.raw() } else { text_of((*known).id).unwrap_or_default() };
+        let id: *const [u8] = if known.is_null() { asked.raw() } else { text_of((*known).id).unwrap_or_default() };
         let sets_up = !known.is_null() && is_setup(message);
         if sets_up {
             (*device).link.change_setup(message);
@@ -159,8 +159,8 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
 /// # Safety
 ///
 /// See above.
-unsafe fn first_id<'a>(device: *const State) -> &'a [u8] {
-    // SAFETY: as the contract of this function asks: ids are strings, and stay.
+unsafe fn first_id(device: *const State) -> *const [u8] {
+    // SAFETY: as the contract of this function asks: ids are strings.
     unsafe { text_of((*(*(*device).table()).devices).id).unwrap_or_default() }
 }
 
@@ -169,7 +169,7 @@ unsafe fn first_id<'a>(device: *const State) -> &'a [u8] {
 /// # Safety
 ///
 /// See above.
-unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: &[u8]) -> c_int {
+unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: *const [u8]) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
     unsafe {
@@ -189,7 +189,7 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
         }
         // A length below 0 is too long.
         let written = usize::try_from(answer.length).unwrap_or(usize::MAX);
-        let (length, fault) = (*device).link.finish(written, fault, id);
+        let (length, fault) = (*device).link.finish(written, fault, &*id);
         let line = (*device).link.room().as_ptr();
         send(device, line, length);
         match (fault, answer.error) {
@@ -206,12 +206,12 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
 ///
 /// See above.
 #[inline(never)]
-unsafe fn send_link_line(device: *mut State, line: LinkLine, id: &[u8]) {
+unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
     let room = room.as_mut_bytes();
     // SAFETY: see above.
     unsafe {
-        let length = (*device).link.write(line, id, room);
+        let length = (*device).link.write(line, &*id, room);
         send(device, room.as_ptr(), length);
     }
 }
