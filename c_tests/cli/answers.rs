@@ -101,16 +101,23 @@ fn an_error_is_an_object_too() {
     let value: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((code, &value["outcome"]), (DEVICE, &"error".into()), "{value}");
 
-    let sim = homed();
-    let device = &sim.device;
-    let mut child = deltarobot(&["move", FAR, FAR, FAR, "--json", device]).stdout(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(500));
-    // Nobody answers the cancel request any more.
-    signal(&sim.child, "STOP");
+    // A controller that accepts the move, and answers nothing after that.
+    let mut device = Device::new();
+    let mut child =
+        deltarobot(&["move", "1", "2", "3", "--json", &device.path]).stdout(Stdio::piped()).spawn().unwrap();
+    assert!(device.hear(17).starts_with(b"$M"));
+    device.say(b"$A\x01M\xED:");
+    let mut heard = Vec::new();
+    let mut wait_for = |request: &[u8]| {
+        until("it asks", || {
+            heard.extend(device.hear_now());
+            heard.windows(request.len()).any(|bytes| bytes == request)
+        });
+    };
+    wait_for(b"$S\0\xB1:");
     interrupt(&child);
-    std::thread::sleep(Duration::from_millis(100));
+    wait_for(b"$C\0\xA1:");
     interrupt(&child);
     let value: Value = serde_json::from_reader(child.stdout.take().unwrap()).unwrap();
     assert_eq!((child.wait().unwrap().code(), &value["outcome"]), (Some(CANCELLED), &"interrupted".into()));
-    signal(&sim.child, "CONT");
 }

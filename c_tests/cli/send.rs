@@ -101,8 +101,9 @@ fn no_answer_is_no_outcome() {
         let said = printed(&arguments, TIMED_OUT);
         assert!(said.contains(text) && began.elapsed() < Duration::from_secs(20), "{said}");
     }
+    let mut device = Device::new();
     let mut child = deltarobot(&gx(&device.path, &["x1", "--attempts", "200"])).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(400));
+    device.hear(1);
     interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(CANCELLED));
 }
