@@ -133,7 +133,10 @@ wine_serve() {
         sleep 0.1
     done
     url=$(cat "$out/opened")
-    curl -fsS "${url}api/robots/sim1" | grep -q '"link":"up"' || fail "there is no robot at $url"
+    until curl -fsS "${url}api/robots/sim1" | grep -q '"link":"up"'; do
+        kill -0 "$serving" || fail "there is no robot at $url"
+        sleep 0.1
+    done
     curl -fsS -X POST "${url}api/robots/sim1/home" | grep -q '"outcome":"finished"' || fail "the robot is not homed"
     curl -fsS "$url" | grep -q '<title>' || fail "there is no page at $url"
     kill -INT "$serving"

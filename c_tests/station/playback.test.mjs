@@ -113,6 +113,7 @@ async function record(signal) {
   const file = () => readFileSync(join(directory, String(readdirSync(directory).find((name) => name.endsWith('.mcap')))));
   try {
     const robot = `${recording.url}/api/robots/sim1`;
+    for (const began = Date.now(); (await api(robot, 'GET')).link !== 'up';) assert.ok(Date.now() < began + TIMEOUT);
     const { lease } = await api(`${robot}/lease`, 'POST', { client: 'test', seconds: 60 });
     for (const [what, body] of /** @type {const} */ ([['home', {}], ['move', { displacements: [127.2294, 79.1266, 127.2294] }]])) {
       await api(`${robot}/${what}`, 'POST', { ...body, wait: true }, { 'Deltarobot-Lease': lease });

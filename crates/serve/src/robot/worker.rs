@@ -85,7 +85,11 @@ impl Worker {
     /// Refuses what can't be done while the port is not open. Returns whether that was to cancel.
     fn refuse(&mut self) -> bool {
         let inbox = std::mem::take(&mut *locked(&self.robot.inbox));
-        let error = self.view.state.link_error.as_deref().unwrap_or("the program is ending");
+        let error = match self.view.state.link_error.as_deref() {
+            Some(error) => error,
+            None if self.robot.is_ending() => "the program is ending",
+            None => "its port is not open yet",
+        };
         let down = || Problem::new(Kind::Down, error);
         let cancels = !inbox.cancels.is_empty();
         // Who asked may not wait for the answer.
