@@ -245,7 +245,7 @@ input('playback-file').addEventListener('change', async () => {
   try {
     say(by('playback-note'), `${file.name}: being read…`);
     const warning = await recorded.read(file);
-    options('playback-robot', [...recorded.stories.keys()]);
+    options('playback-robot', [...recorded.stories.keys()].sort());
     by('playback-robots').hidden = recorded.stories.size < 2;
     await openStory();
     say(by('playback-warning'), warning);
