@@ -72,9 +72,10 @@ test('the same by keyboard', async () => {
   await page.focus('#target-2');
   await page.keyboard.press('Enter');
   await standsAt(page, ['20.00', '21.00', '22.00']);
-  await page.focus('#jog button');
+  await page.focus('#jog button[aria-disabled=false]');
   await page.keyboard.press('q');
   await standsAt(page, ['22.50', '21.00', '22.00']);
+  await page.focus('#jog button[aria-disabled=false]');
   await page.keyboard.press('d');
   await standsAt(page, ['22.50', '21.00', '19.50']);
 
