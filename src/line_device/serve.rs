@@ -11,8 +11,9 @@ use super::{Command, State};
 use crate::line_protocol::message::view;
 use crate::line_protocol::{LineEncoder, OLP_RC_BUSY, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
 use crate::memory::{int, text_of};
+use deltarobot_protocols::bytes::zeros;
 use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, is_setup};
-use deltarobot_protocols::line::{Message, Received, zeros};
+use deltarobot_protocols::line::{Message, Received};
 use zerocopy::IntoBytes;
 
 /// Does the one thing that comes next.

@@ -9,7 +9,8 @@ use super::{
 };
 use crate::memory::{bytes_of, int, room_of, text_of};
 use deltarobot_export::export;
-use deltarobot_protocols::line::{EncodeError, Encoder, Integer, zeros};
+use deltarobot_protocols::bytes::zeros;
+use deltarobot_protocols::line::{EncodeError, Encoder, Integer};
 
 /// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
 ///

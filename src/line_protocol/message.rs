@@ -116,7 +116,7 @@ unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
 /// # Safety
 ///
 /// As for [`olp_find`].
-pub(super) unsafe fn value<'a>(
+pub(super) unsafe fn find_value<'a>(
     message: *const LineMessage,
     name: *const c_char,
     occurrence: c_int,

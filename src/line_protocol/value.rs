@@ -3,7 +3,7 @@
 use core::ffi::{c_char, c_float, c_int, c_long};
 use core::mem::MaybeUninit;
 
-use super::message::value as find;
+use super::message::find_value;
 use super::{
     LineMessage, LineParam, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_RANGE, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
 };
@@ -95,7 +95,7 @@ pub unsafe extern "C" fn olp_get_int(
     value: *mut c_long,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { store(find(message, name, occurrence).map(Value::int), value) }
+    unsafe { store(find_value(message, name, occurrence).map(Value::int), value) }
 }
 
 /// `olp_find` and `olp_value_float` in one.
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn olp_get_float(
     value: *mut c_float,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { store(find(message, name, occurrence).map(Value::float), value) }
+    unsafe { store(find_value(message, name, occurrence).map(Value::float), value) }
 }
 
 /// `olp_find` and `olp_value_string` in one.
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn olp_get_string(
     cap: c_int,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { decode(find(message, name, occurrence), room_of(buf.cast(), cap)) }
+    unsafe { decode(find_value(message, name, occurrence), room_of(buf.cast(), cap)) }
 }
 
 /// `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
@@ -155,7 +155,7 @@ pub unsafe extern "C" fn olp_is(
     text: *const c_char,
 ) -> c_int {
     // SAFETY: as the contract of this function asks.
-    unsafe { is(find(message, name, occurrence), text_of(text)) }
+    unsafe { is(find_value(message, name, occurrence), text_of(text)) }
 }
 
 /// # Safety

@@ -4,6 +4,8 @@
 //!
 //! The standard copies become calls of memcpy, which the library does without.
 
+use core::hint::black_box;
+
 /// Whether blocks are taken at a time.
 pub const WIDE: bool = cfg!(all(target_pointer_width = "64", not(small_leaves)));
 
@@ -167,6 +169,14 @@ pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
     } else {
         place
     }
+}
+
+/// Room, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or memcpy, and
+/// firmware may have neither.
+#[inline(always)]
+#[must_use]
+pub fn zeros<const WORDS: usize>() -> [u16; WORDS] {
+    [black_box(0); WORDS]
 }
 
 /// Adds the bytes to a sum modulo 256.

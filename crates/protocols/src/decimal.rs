@@ -3,8 +3,6 @@
 //! A float is an integer times a power of two, so its decimal expansion ends: at most 39 digits before the point and
 //! 149 behind it. All of them are worked out, then rounded.
 
-use core::hint::black_box;
-
 use zerocopy::IntoBytes;
 
 mod read;
@@ -26,14 +24,6 @@ struct Digits<'a> {
     end: usize,
     /// Whether there is more than the digits say, less than a unit of the last.
     more: bool,
-}
-
-/// Room for digits, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or
-/// memcpy, and firmware may have neither.
-#[inline(always)]
-#[must_use]
-pub fn zeros<const WORDS: usize>() -> [u16; WORDS] {
-    [black_box(0); WORDS]
 }
 
 impl<'a> Digits<'a> {

@@ -1,6 +1,7 @@
 //! Decimal numbers read as the nearest float.
 
-use super::{Digits, SIZE, WHOLE, zeros};
+use super::{Digits, SIZE, WHOLE};
+use crate::bytes::zeros;
 
 /// Exponents beyond that are as good as that: no text has so many digits that it matters.
 const EXPONENT_MAX: i32 = 1_000_000;

@@ -1,6 +1,7 @@
 //! Decimal text of floats.
 
-use super::{Digits, SIZE, WHOLE, zeros};
+use super::{Digits, SIZE, WHOLE};
+use crate::bytes::zeros;
 
 /// Most decimals that [`write_fixed`] can be asked for.
 pub const DECIMALS_MAX: u8 = 9;

@@ -297,7 +297,7 @@ impl<'a> Out<'a> {
     /// At most nine digits, as positions have. By bits of digits: small machines have neither a division nor a table to
     /// spare, and the compiler makes a division of a loop that subtracts.
     fn decimal(&mut self, value: u32) {
-        let (mut rest, places) = if value < 100_000 { (value.wrapping_mul(10_000), 5) } else { (value, 9) };
+        let (mut rest, places) = if value < 100_000 { (value.wrapping_mul(10_000), 5_u8) } else { (value, 9) };
         let mut begun = false;
         for left in (0..places).rev() {
             let (mut digit, mut unit) = (0, 800_000_000);
@@ -309,7 +309,7 @@ impl<'a> Out<'a> {
                 }
                 unit >>= 1;
             }
-            begun |= digit != 0 || left == 0_u8;
+            begun |= digit != 0 || left == 0;
             if begun {
                 self.byte(b'0' | digit);
             }

@@ -222,6 +222,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         }
     }
 
+    /// A byte, wherever it comes.
     #[inline(always)]
     fn step(&mut self, byte: u8) -> Step {
         match self.state {

@@ -125,11 +125,11 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.advance(0);
     }
 
-    /// Whether there is much that a [`tick`](Self::tick) would do.
+    /// Whether a [`tick`](Self::tick) is due: behind an answer, and each quarter of a second.
     #[inline(always)]
     #[must_use]
     pub fn is_behind(&self, now: u32) -> bool {
-        // Answers are forgotten within a quarter of a second: that costs the less for each byte.
+        // Forgetting answers that late costs the less for each byte.
         let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
         self.answers.is_fresh() || coarse != known
     }

@@ -6,6 +6,7 @@
 use super::checksum::fletcher16;
 use super::integer::Integer;
 use super::message::Params;
+use crate::bytes::zeros;
 use crate::decimal;
 use core::mem::take;
 
@@ -131,7 +132,7 @@ impl<'a> Encoder<'a> {
 
     /// Adds an integer.
     pub fn int<T: Integer>(&mut self, name: &[u8], value: T) -> &mut Self {
-        self.text(name, value.write(&mut decimal::zeros()))
+        self.text(name, value.write(&mut zeros()))
     }
 
     /// Adds an integer of at most 16 bits, such as `t`.
@@ -144,7 +145,7 @@ impl<'a> Encoder<'a> {
     /// Adds an integer behind `&`, a name that needs no check, and `=`, which are given as one.
     pub fn number(&mut self, name: &[u8], value: i32) {
         self.put_all(name);
-        self.put_all(value.write(&mut decimal::zeros()));
+        self.put_all(value.write(&mut zeros()));
     }
 
     /// Adds a float as `printf("%.*f")` writes it: with 0 to [`DECIMALS_MAX`] decimals, rounded to the nearest number

@@ -28,7 +28,6 @@ mod message;
 mod receiver;
 mod value;
 
-pub use crate::decimal::zeros;
 pub use checksum::{EMPTY_SUM, fletcher16, fletcher16_more};
 pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
 pub use integer::{Integer, IntegerText};
