@@ -1,6 +1,7 @@
 //! Requests that are not answered as they should be: what is said about it, and how long it takes.
 
 use super::device::Device;
+use super::network::has;
 use super::*;
 
 /// Makes a status request, to which the device answers each frame with these bytes. The exit status, JSON, complaints.
@@ -111,7 +112,7 @@ fn an_error_is_an_object_too() {
     let mut wait_for = |request: &[u8]| {
         until("it asks", || {
             heard.extend(device.hear_now());
-            heard.windows(request.len()).any(|bytes| bytes == request)
+            has(&heard, request)
         });
     };
     wait_for(b"$S\0\xB1:");

@@ -68,7 +68,7 @@ fn a_session_with_a_simulator_at_a_port() {
 }
 
 /// Whether bytes stand somewhere.
-fn has(heard: &[u8], wanted: &[u8]) -> bool {
+pub(super) fn has(heard: &[u8], wanted: &[u8]) -> bool {
     heard.windows(wanted.len()).any(|window| window == wanted)
 }
 

@@ -68,7 +68,7 @@ fn disk_full_and_room_again() {
         command.args(["-c", "ulimit -S -f 32; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_deltarobot-serve")]);
         let server = Server::start_by(command, &settings(&directory, ""));
         found("it is full", || (server.metric("deltarobot_record_up") < 1).then_some(()));
-        found("it says so", || server.said().contains("records: File too large").then_some(()));
+        until("it says so", || server.said().contains("records: File too large"));
         // Another file is begun from time to time, which is full as well.
         let says = |word: &str| server.get("/api/robots/sim1").contains(word);
         found("the state says it", || says("File too large").then_some(()));

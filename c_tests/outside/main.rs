@@ -34,7 +34,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use crate::steps::{TIMEOUT, found, utf8};
+use crate::steps::{TIMEOUT, found, until, utf8};
 use crate::support::out_dir;
 
 /// The program, with a robot that is simulated.

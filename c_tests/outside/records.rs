@@ -28,7 +28,7 @@ fn are_closed_when_the_program_is_terminated() {
     let directory = empty("closed");
     let server = Server::start(&settings(&directory, ""));
     // One it sends by itself, when it starts.
-    found("the robot answers", || (server.metric("deltarobot_frames_total{robot=\"sim1\"}") > 1).then_some(()));
+    until("the robot answers", || server.metric("deltarobot_frames_total{robot=\"sim1\"}") > 1);
     assert_eq!(server.end(), Some(0));
     let files = files(&directory);
     let (table, complaint) = table(&files[0]);

@@ -38,6 +38,11 @@ export async function start(words, program = PROGRAM, env = {}) {
   };
 }
 
+/** Waits until that is so. @param {() => boolean | Promise<boolean>} isSo */
+export async function until(isSo) {
+  for (const began = Date.now(); !(await isSo()); await new Promise((resolve) => setTimeout(resolve, 50))) assert.ok(Date.now() < began + TIMEOUT);
+}
+
 /** @param {string} url @param {string} method @param {unknown} [body] @param {Record<string, string>} [headers] */
 export async function api(url, method, body, headers = {}) {
   const response = await fetch(url, { method, headers: { 'Content-Type': 'application/json', ...headers }, body: body === undefined ? undefined : JSON.stringify(body) });

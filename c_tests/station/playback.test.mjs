@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { GEOMETRY, TIMEOUT, api, browser, inSpace, open, says, start } from './browser.mjs';
+import { GEOMETRY, TIMEOUT, api, browser, inSpace, open, says, start, until } from './browser.mjs';
 import { frame } from './controller.mjs';
 
 /** @type {Awaited<ReturnType<typeof start>>} */
@@ -113,14 +113,13 @@ async function record(signal) {
   const file = () => readFileSync(join(directory, String(readdirSync(directory).find((name) => name.endsWith('.mcap')))));
   try {
     const robot = `${recording.url}/api/robots/sim1`;
-    for (const began = Date.now(); (await api(robot, 'GET')).link !== 'up';) assert.ok(Date.now() < began + TIMEOUT);
+    await until(async () => (await api(robot, 'GET')).link === 'up');
     const { lease } = await api(`${robot}/lease`, 'POST', { client: 'test', seconds: 60 });
     for (const [what, body] of /** @type {const} */ ([['home', {}], ['move', { displacements: [127.2294, 79.1266, 127.2294] }]])) {
       await api(`${robot}/${what}`, 'POST', { ...body, wait: true }, { 'Deltarobot-Lease': lease });
     }
     // Chunks end each second.
-    const has = () => /"event":"ended"[^}]*"kind":"move"/.test(file().toString('latin1'));
-    for (const began = Date.now(); !has(); await new Promise((resolve) => setTimeout(resolve, 100))) assert.ok(Date.now() < began + TIMEOUT);
+    await until(() => /"event":"ended"[^}]*"kind":"move"/.test(file().toString('latin1')));
   } finally {
     await recording.stop(signal);
   }

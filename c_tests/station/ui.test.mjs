@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { Controller } from './controller.mjs';
-import { TIMEOUT, PROGRAM, browser, open, says, start } from './browser.mjs';
+import { TIMEOUT, PROGRAM, browser, open, says, start, until } from './browser.mjs';
 
 const UI = process.env.DELTAROBOT_UI ?? PROGRAM.replace(/-serve$/, '-ui');
 
@@ -20,7 +20,7 @@ test('opens the page of one robot in the browser, and ends when told', async () 
   const chromium = await browser();
   const ui = await start([controller.url, '--geometry', geometry], UI, { BROWSER: stand_in, OPENED: opened });
   try {
-    for (const began = Date.now(); !existsSync(opened); await new Promise((resolve) => setTimeout(resolve, 50))) assert.ok(Date.now() < began + TIMEOUT);
+    await until(() => existsSync(opened));
     const url = readFileSync(opened, 'utf8').trim();
     assert.equal(url, ui.url);
     assert.match(url, /^http:\/\/127\.0\.0\.1:\d+$/);
