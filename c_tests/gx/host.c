@@ -385,6 +385,15 @@ static void in_ascii(void)
     now += 1;
     nothing_happens();
     SAYS("\nR250\n");
+    /* When there are to be none, none is waited for. */
+    CHECK_INT(gx_host_report(&host, 0), GX_RC_SUCCESS);
+    SAYS("\nR0\n");
+    HEARS("#5462\n");
+    CHECK(ends(GX_HOST_FINISHED, 0));
+    nothing_happens();
+    now += 50; /* the gap */
+    nothing_happens();
+    CHECK_INT(gx_host_next_deadline(&host, now), -1);
 }
 
 static void errors_have_all_sent_again_in_long_form(void)

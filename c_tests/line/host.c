@@ -151,8 +151,11 @@ static void repeats_and_times_out(void)
     handle = asks(SWITCH_ON, "9o5qzg");
     CHECK(sends("c=setswitch&state=1&t=1&id=9o5qzg\n"));
     strcpy(first, out);
+    pass(300);
     acks_last();
     CHECK(acked(handle));
+    /* The answer is waited for since the command was sent. */
+    CHECK_INT(olp_host_next_deadline(&host, now), 200);
     time_out();
     CHECK(sends(first));
     acks_last();
