@@ -1,22 +1,16 @@
 /*
- * What the library costs on the target (with LONGEST_ALONE, the longest dp_recv and nothing else), beside the model of the original (c_tests/model/) in the same image:
+ * What the library costs on the target, beside the model of the original (c_tests/deltarobot/model/) in the same image:
  * instructions on a Cortex-M in QEMU, which is told to take one nanosecond for each; cycles on a simulated AVR. Prints
- * a table on the UART, then the stack that was really used, and "done".
+ * a table on the UART, then the stack that was really used, and "done". With LONGEST_ALONE, the longest dp_recv and
+ * nothing else.
  */
-#include "../../examples/firmware/board.h"
+#include "bench.h"
 #include "../deltarobot/model/model.h"
 
 #include <libdeltarobot/protocol.h>
 #include <libdeltarobot/receiver.h>
 
-#include <stdint.h>
 #include <string.h>
-
-#ifdef __AVR__
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <util/atomic.h>
-#endif
 
 #ifndef LONGEST_ALONE
 #define LONGEST_ALONE 0
@@ -66,116 +60,17 @@ static const struct library libraries[] = {
 #define LIBRARIES 4
 
 #ifdef __AVR__
-
 #define UNIT "cycles"
 #define STREAM 512
-
-static volatile uint16_t overflows;
-
-ISR(TIMER1_OVF_vect)
-{
-    ++overflows;
-}
-
-static void clock_init(void)
-{
-    TIMSK0 = 0;
-    TCCR1A = 0;
-    TCCR1B = _BV(CS10);
-    TIMSK1 = _BV(TOIE1);
-}
-
-static uint32_t ticks(void)
-{
-    uint16_t low, high;
-
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
-    {
-        low = TCNT1;
-        high = overflows;
-        if ((TIFR1 & _BV(TOV1)) && low < 0x8000u)
-            ++high;
-    }
-    return (uint32_t)high << 16 | low;
-}
-
-static void stop(void)
-{
-    cli();
-    for (;;)
-        __asm__ volatile("sleep");
-}
-
 #else
-
 #define UNIT "instructions"
 #define STREAM 4096
-
-#define REGISTER(address) (*(volatile uint32_t *)(address))
-
-/* At 200 MHz, which this chip only has in the emulator, a tick of the timer is five nanoseconds: five instructions. */
-#define TICK 5u
-
-static void clock_init(void)
-{
-    REGISTER(0xE000E010u) = 0;
-    REGISTER(0x400FE060u) = 1u << 22; /* RCC: system clock divided by 1 */
-    REGISTER(0xE000E014u) = 0xFFFFFFu;
-    REGISTER(0xE000E018u) = 0;
-    REGISTER(0xE000E010u) = 5u;
-}
-
-static uint32_t ticks(void)
-{
-    static uint32_t before, sum;
-    uint32_t now = 0xFFFFFFu - REGISTER(0xE000E018u);
-
-    sum += (now - before) & 0xFFFFFFu;
-    before = now;
-    return sum * TICK;
-}
-
-/* Ends QEMU, by semihosting. */
-static void stop(void)
-{
-    register uint32_t operation __asm__("r0") = 0x18;
-    register uint32_t reason __asm__("r1") = 0x20026;
-
-    __asm__ volatile("bkpt 0xAB" : : "r"(operation), "r"(reason) : "memory");
-    for (;;)
-        ;
-}
-
 #endif
 
 static unsigned char stream[STREAM];
 static int stream_bytes;
 static union ring ring;
 static union message message;
-
-static void print(const char *text)
-{
-    while (*text != 0) {
-        while (!board_uart_write((unsigned char)*text))
-            ;
-        ++text;
-    }
-}
-
-static void print_number(uint32_t number, int width)
-{
-    char text[12];
-    int at = sizeof text - 1;
-
-    text[at] = 0;
-    do {
-        text[--at] = (char)('0' + number % 10u);
-        number /= 10u;
-    } while (number > 0);
-    for (width -= (int)sizeof text - 1 - at; width > 0; --width)
-        print(" ");
-    print(text + at);
-}
 
 static void print_tenths(uint32_t number, int width)
 {

@@ -3,37 +3,11 @@
  * whole loop (with fetching and ending the moves, and what is sent), and of the most expensive single byte. The streams
  * are moves of a session, as hosts send them, text, and bytes that mean nothing. Prints a table on the UART, then "done".
  */
-#include "../../examples/firmware/board.h"
-#include "avr_clock.h"
+#include "bench.h"
 
 #include <libdeltarobot/gx_motion.h>
 
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <stdint.h>
 #include <string.h>
-
-static void print(const char *text)
-{
-    for (; *text != 0; ++text)
-        while (!board_uart_write((unsigned char)*text))
-            ;
-}
-
-static void print_number(uint32_t number, uint8_t width)
-{
-    char text[12];
-    uint8_t at = sizeof text - 1;
-
-    text[at] = 0;
-    do {
-        text[--at] = (char)('0' + number % 10u);
-        number /= 10u;
-    } while (number > 0);
-    for (; width > sizeof text - 1 - at; --width)
-        print(" ");
-    print(text + at);
-}
 
 enum { SHORTS, LONGS, TEXT, NOISE, STREAMS, COMMANDS = 24 };
 
@@ -130,18 +104,12 @@ static void measure(const char *name, uint8_t what)
 int main(void)
 {
     board_init();
-    TIMSK0 = 0;
-    TCCR1A = 0;
-    TCCR1B = _BV(CS10);
-    TIMSK1 = _BV(TOIE1);
-    sei();
+    clock_init();
     print("gx_motion, cycles a byte  receive    loop longest\n");
     measure("short moves             ", SHORTS);
     measure("long moves              ", LONGS);
     measure("text                    ", TEXT);
     measure("noise                   ", NOISE);
     print("done\n");
-    cli();
-    for (;;)
-        __asm__ volatile("sleep");
+    stop();
 }

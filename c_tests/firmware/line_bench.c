@@ -2,14 +2,10 @@
  * What a device of the line protocol costs on an AVR, in cycles a byte received: olp_device_receive and olp_device_poll
  * after each byte, as a sketch calls them, without what the UART takes. Prints a table on it, and "done".
  */
-#include "../../examples/firmware/board.h"
-#include "avr_clock.h"
+#include "bench.h"
 
 #include <libdeltarobot/line_device.h>
 
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <stdint.h>
 #include <string.h>
 
 static struct olp_device device;
@@ -38,26 +34,6 @@ static const struct olp_device_info DEVICES[] = {{"9o5qzg", "OzekiSwitchControll
 static const struct olp_command COMMANDS[] = {{0, "setswitch", setswitch}};
 static const struct olp_device_table TABLE = {DEVICES, 1, COMMANDS, 1, send_line, 0};
 
-static void put(const char *text)
-{
-    for (; *text; ++text)
-        while (!board_uart_write((unsigned char)*text))
-            ;
-}
-
-static void put_number(uint32_t number)
-{
-    char text[12];
-    int at = sizeof text - 1;
-
-    text[at] = '\0';
-    do {
-        text[--at] = (char)('0' + number % 10);
-        number /= 10;
-    } while (number > 0);
-    put(text + at);
-}
-
 /* The stream again and again, as bytes that come one by one. */
 static void measure(const char *name, const char *stream, unsigned int bytes)
 {
@@ -81,12 +57,12 @@ static void measure(const char *name, const char *stream, unsigned int bytes)
             if (took > longest)
                 longest = took;
         }
-    put(name);
-    put(" ");
-    put_number(sum / count);
-    put(" cycles a byte, at most ");
-    put_number(longest);
-    put("\n");
+    print(name);
+    print(" ");
+    print_number(sum / count, 1);
+    print(" cycles a byte, at most ");
+    print_number(longest, 1);
+    print("\n");
 }
 
 #define MEASURE(name, stream) measure(name, stream, sizeof(stream) - 1)
@@ -96,11 +72,7 @@ int main(void)
     static const char inside[] = "c=setswitch&state=1&x=yyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyy";
 
     board_init();
-    TIMSK0 = 0;
-    TCCR1A = 0;
-    TCCR1B = _BV(CS10);
-    TIMSK1 = _BV(TOIE1);
-    sei();
+    clock_init();
     MEASURE("a byte inside a line:          ", inside);
     MEASURE("command, ack and answer:       ", "c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6\n");
     MEASURE("its repeat:                    ", "c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6\nc=setswitch&state=1&t=11&id=9o5qzg&s=a3d6\n");
@@ -108,8 +80,6 @@ int main(void)
     MEASURE("a line too long:               ", "yyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyyy\n");
     MEASURE("empty lines:                   ", "\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n");
     MEASURE("lines of a byte:               ", "c\nc\nc\nc\nc\nc\nc\nc\n");
-    put("done\n");
-    cli();
-    for (;;)
-        __asm__ volatile("sleep");
+    print("done\n");
+    stop();
 }
