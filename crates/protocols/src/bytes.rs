@@ -409,13 +409,6 @@ pub fn before_less(bytes: &[u8], limit: u8) -> usize {
     before
 }
 
-/// Where the byte is found first.
-#[inline(always)]
-#[must_use]
-pub fn find(byte: u8, bytes: &[u8]) -> Option<usize> {
-    bytes.iter().position(|other| *other == byte)
-}
-
 #[cfg(test)]
 mod tests {
     use std::vec;

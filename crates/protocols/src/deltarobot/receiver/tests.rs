@@ -45,74 +45,77 @@ fn naive(mut stream: &[u8], longest: usize, idle: bool) -> (Messages, Losses, us
     }
 }
 
-/// Fetches all that is there.
-fn fetch<const ROOM: usize>(receiver: &mut Receiver<ROOM>, losses: &mut Losses, messages: &mut Messages) {
-    while let Ok(frame) = receiver.next_observed(losses) {
-        messages.push((frame.opcode.0, frame.payload.to_vec()));
+/// A receiver, and what was found.
+#[derive(Default)]
+struct Run<const ROOM: usize> {
+    receiver: Receiver<ROOM>,
+    losses: Losses,
+    messages: Messages,
+}
+
+impl<const ROOM: usize> Run<ROOM> {
+    /// Fetches all that is there.
+    fn fetch(&mut self) {
+        while let Ok(frame) = self.receiver.next_observed(&mut self.losses) {
+            self.messages.push((frame.opcode.0, frame.payload.to_vec()));
+        }
+    }
+
+    /// The line has fallen silent: now all is found.
+    fn finds(mut self, expected: &(Messages, Losses, usize), way: &str) {
+        while let Ok(frame) = self.receiver.next_idle(&mut self.losses) {
+            self.messages.push((frame.opcode.0, frame.payload.to_vec()));
+        }
+        assert!(self.receiver.is_empty());
+        assert_eq!((&self.messages, &self.losses), (&expected.0, &expected.1), "{way}");
     }
 }
 
 fn check<const ROOM: usize>(stream: &[u8], chunks: &[usize]) {
-    let (expected, expected_losses, _) = naive(stream, Receiver::<ROOM>::LONGEST, true);
+    let expected = naive(stream, Receiver::<ROOM>::LONGEST, true);
     let until_now = |upto: usize| naive(&stream[..upto], Receiver::<ROOM>::LONGEST, false).0.len();
     let mut chunks = chunks.iter().copied().cycle();
 
-    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    let mut run = Run::<ROOM>::default();
     for (place, byte) in stream.iter().enumerate() {
-        if receiver.byte(*byte).unwrap() {
-            fetch(&mut receiver, &mut losses, &mut messages);
+        if run.receiver.byte(*byte).unwrap() {
+            run.fetch();
         }
-        assert_eq!(messages.len(), until_now(place + 1), "byte {place}");
+        assert_eq!(run.messages.len(), until_now(place + 1), "byte {place}");
     }
-    while let Ok(frame) = receiver.next_idle(&mut losses) {
-        messages.push((frame.opcode.0, frame.payload.to_vec()));
-    }
-    assert!(receiver.is_empty());
-    assert_eq!((&messages, &losses), (&expected, &expected_losses), "byte by byte");
+    run.finds(&expected, "byte by byte");
 
-    // As long as there is room, nothing is fetched.
-    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    let mut run = Run::<ROOM>::default();
     for byte in stream {
-        if receiver.byte(*byte) == Err(Full) {
-            fetch(&mut receiver, &mut losses, &mut messages);
-            receiver.byte(*byte).unwrap();
+        if run.receiver.byte(*byte) == Err(Full) {
+            run.fetch();
+            run.receiver.byte(*byte).unwrap();
         }
     }
-    while let Ok(frame) = receiver.next_idle(&mut losses) {
-        messages.push((frame.opcode.0, frame.payload.to_vec()));
-    }
-    assert_eq!((&messages, &losses), (&expected, &expected_losses), "late");
+    run.finds(&expected, "late, when there is no room any more");
 
-    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
-    let (mut rest, mut given) = (stream, 0);
+    let mut run = Run::<ROOM>::default();
+    let mut rest = stream;
     while !rest.is_empty() {
         let (mut now, later) = rest.split_at(chunks.next().unwrap().clamp(1, rest.len()));
-        given += now.len();
         rest = later;
-        while let Ok(frame) = receiver.next_of_observed(&mut now, &mut losses) {
-            messages.push((frame.opcode.0, frame.payload.to_vec()));
+        while let Ok(frame) = run.receiver.next_of_observed(&mut now, &mut run.losses) {
+            run.messages.push((frame.opcode.0, frame.payload.to_vec()));
         }
         assert!(now.is_empty());
-        assert_eq!(messages.len(), until_now(given), "{given} in chunks");
+        assert_eq!(run.messages.len(), until_now(stream.len() - rest.len()), "in chunks");
     }
-    while let Ok(frame) = receiver.next_idle(&mut losses) {
-        messages.push((frame.opcode.0, frame.payload.to_vec()));
-    }
-    assert_eq!((&messages, &losses), (&expected, &expected_losses), "in chunks");
+    run.finds(&expected, "in chunks");
 
-    let (mut receiver, mut losses, mut messages) = (Receiver::<ROOM>::new(), Losses::default(), Vec::new());
+    let mut run = Run::<ROOM>::default();
     let mut rest = stream;
     while !rest.is_empty() {
         let size = chunks.next().unwrap().clamp(1, rest.len());
-        let taken = receiver.take(&rest[..size]);
-        rest = &rest[taken..];
-        fetch(&mut receiver, &mut losses, &mut messages);
-        assert_eq!(messages.len(), until_now(stream.len() - rest.len()), "taken");
+        rest = &rest[run.receiver.take(&rest[..size])..];
+        run.fetch();
+        assert_eq!(run.messages.len(), until_now(stream.len() - rest.len()), "taken");
     }
-    while let Ok(frame) = receiver.next_idle(&mut losses) {
-        messages.push((frame.opcode.0, frame.payload.to_vec()));
-    }
-    assert_eq!((&messages, &losses), (&expected, &expected_losses), "taken");
+    run.finds(&expected, "taken");
 }
 
 /// Frames, beginnings of frames, and noise.
