@@ -18,7 +18,7 @@ use deltarobot_export::export;
 
 use super::memory::{bytes_of, int, room_of, string_of};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
-use crate::port::{self, Failed, Line, Port};
+use crate::port::{Cause, Failed, Port, system};
 use crate::state::{Room, state};
 
 /// The system has reported an error: `dp_serial_error` says which.
@@ -62,15 +62,6 @@ pub struct Settings {
     pub keep_lines: c_int,
 }
 
-impl From<Settings> for port::Settings {
-    fn from(settings: Settings) -> Self {
-        let Settings { baud, dtr, rts, keep_lines } = settings;
-        let level = |line: c_int| (line != 0).then_some(line > 0);
-        let baud = if baud == 0 { DP_SERIAL_BAUD } else { baud };
-        Self { baud, dtr: level(dtr), rts: level(rts), keep_lines: keep_lines != 0 }
-    }
-}
-
 /// Opens a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
 ///
 /// device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
@@ -90,8 +81,9 @@ impl From<Settings> for port::Settings {
 /// ```
 #[export]
 pub unsafe extern "C" fn dp_serial_open(serial: *mut Serial, device: *const c_char, baud: c_ulong) -> c_int {
+    let settings = Settings { baud, ..Settings::default() };
     // SAFETY: the caller promises the same of these pointers.
-    unsafe { open(serial, device, Settings { baud, ..Settings::default() }) }
+    unsafe { dp_serial_open_with(serial, device, &raw const settings) }
 }
 
 /// Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
@@ -110,19 +102,15 @@ pub unsafe extern "C" fn dp_serial_open_with(
     device: *const c_char,
     settings: *const Settings,
 ) -> c_int {
-    // SAFETY: settings are NULL or whole; the rest as above.
-    unsafe { open(serial, device, settings.as_ref().copied().unwrap_or_default()) }
-}
-
-/// # Safety
-///
-/// As for `dp_serial_open`.
-unsafe fn open(serial: *mut Serial, device: *const c_char, settings: Settings) -> c_int {
-    // SAFETY: serial is NULL or writable; what it held is overwritten.
-    let Some(port) = (unsafe { Serial::init(serial) }) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: serial is NULL or writable, what it held is overwritten; settings are NULL or whole.
+    let (port, settings) = unsafe { (Serial::init(serial), settings.as_ref()) };
     // SAFETY: device is NULL or a string.
-    let Some(device) = (unsafe { string_of(device) }) else { return DP_RC_ERROR_GENERIC };
-    code(port.open(device, &settings.into()))
+    let (Some(port), Some(device)) = (port, unsafe { string_of(device) }) else { return DP_RC_ERROR_GENERIC };
+    let mut settings = settings.copied().unwrap_or_default();
+    if settings.baud == 0 {
+        settings.baud = DP_SERIAL_BAUD;
+    }
+    code(port.open(device, &settings))
 }
 
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
@@ -146,7 +134,7 @@ pub unsafe extern "C" fn dp_serial_read(
 ) -> c_int {
     // SAFETY: serial is NULL or whole, and buf NULL or writable for cap bytes.
     match unsafe { (opened(serial), room_of(buf, cap)) } {
-        (Some(port), Some(out)) => count(port.read(out, timeout_ms).map(<[u8]>::len)),
+        (Some(port), Some(out)) => count(port.run(|handle| system::read(handle, out, timeout_ms))),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
@@ -172,7 +160,7 @@ pub unsafe extern "C" fn dp_serial_write(
 ) -> c_int {
     // SAFETY: serial is NULL or whole, and buf NULL or readable for that many bytes.
     match unsafe { (opened(serial), bytes_of(buf, bytes)) } {
-        (Some(port), Some(input)) => count(port.write(input, timeout_ms)),
+        (Some(port), Some(input)) => count(port.run(|handle| system::write(handle, input, timeout_ms))),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
@@ -208,7 +196,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 #[export]
 pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.drain()))
+    unsafe { run(serial, system::drain) }
 }
 
 /// Discards what was received and not read.
@@ -222,7 +210,7 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.discard()))
+    unsafe { run(serial, system::discard) }
 }
 
 /// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
@@ -238,7 +226,7 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Dtr, on > 0)))
+    unsafe { run(serial, |handle| system::set_line(handle, system::DTR, on > 0)) }
 }
 
 /// Sets RTS, as `dp_serial_set_dtr` sets DTR.
@@ -251,7 +239,7 @@ pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_
 #[export]
 pub unsafe extern "C" fn dp_serial_set_rts(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Rts, on > 0)))
+    unsafe { run(serial, |handle| system::set_line(handle, system::RTS, on > 0)) }
 }
 
 /// The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
@@ -305,14 +293,19 @@ pub unsafe extern "C" fn dp_serial_error(serial: *const Serial) -> *const c_char
 /// As for `dp_serial_read`.
 unsafe fn opened<'a>(serial: *mut Serial) -> Option<&'a mut Port> {
     // SAFETY: serial is NULL or whole, and this call's alone.
-    unsafe { Serial::get(serial) }.filter(|port| port.is_open())
+    unsafe { Serial::get(serial) }.filter(|port| port.handle().is_some())
+}
+
+/// # Safety
+///
+/// As for `dp_serial_read`.
+unsafe fn run(serial: *mut Serial, operation: impl FnOnce(c_int) -> Result<(), Cause>) -> c_int {
+    // SAFETY: the same contract.
+    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.run(operation)))
 }
 
 fn code(result: Result<(), Failed>) -> c_int {
-    match result {
-        Ok(()) => DP_RC_SUCCESS,
-        Err(Failed) => DP_RC_DEVICE,
-    }
+    if result.is_ok() { DP_RC_SUCCESS } else { DP_RC_DEVICE }
 }
 
 fn count(result: Result<usize, Failed>) -> c_int {
