@@ -125,7 +125,7 @@ impl Session {
     }
 
     fn reported(&mut self, report: &Report, now: u32) {
-        if self.last_report().is_none_or(|last| last.state() != report.state()) {
+        if self.has_report == 0 || self.report.state() != report.state() {
             self.notices.set(Notice::State);
         }
         self.has_report = 1;

@@ -1,6 +1,6 @@
 //! A request on its way: what every kind of request has in common.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
 use super::Busy;
 use super::settings::Health;
@@ -18,7 +18,8 @@ pub(super) struct Request {
 }
 
 /// How far a request is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
 pub(super) enum Stage {
     /// There is none.
     Free = 0,
@@ -49,7 +50,8 @@ flags! {
 }
 
 /// How a request ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
 pub enum Outcome {
     /// It was carried out.
     Finished = 1,
@@ -64,23 +66,16 @@ pub enum Outcome {
 }
 
 impl Request {
-    pub(super) const fn stage(&self) -> Stage {
-        match self.stage {
-            1 => Stage::Queued,
-            2 => Stage::Sent,
-            3 => Stage::NackAfterRetry,
-            4 => Stage::Accepted,
-            5 => Stage::Ended,
-            _ => Stage::Free,
-        }
+    pub(super) fn stage(&self) -> Stage {
+        Stage::try_read_from_bytes(&[self.stage]).unwrap_or(Stage::Free)
     }
 
-    pub(super) const fn is_going_on(&self) -> bool {
+    pub(super) fn is_going_on(&self) -> bool {
         !matches!(self.stage(), Stage::Free | Stage::Ended)
     }
 
     /// It was sent, and not accepted yet.
-    pub(super) const fn is_unanswered(&self) -> bool {
+    pub(super) fn is_unanswered(&self) -> bool {
         matches!(self.stage(), Stage::Sent | Stage::NackAfterRetry)
     }
 
@@ -176,13 +171,7 @@ impl Request {
             return None;
         }
         self.stage = Stage::Free as u8;
-        Some(match self.outcome {
-            1 => Outcome::Finished,
-            2 => Outcome::Refused,
-            3 => Outcome::Failed,
-            4 => Outcome::Cancelled,
-            _ => Outcome::TimedOut,
-        })
+        Some(Outcome::try_read_from_bytes(&[self.outcome]).unwrap_or(Outcome::TimedOut))
     }
 
     /// How much of `timeout` is left since it was sent last.
@@ -203,7 +192,7 @@ impl Request {
 
 #[cfg(test)]
 mod tests {
-    use super::{Health, Outcome, Request, Stage};
+    use super::{Health, Outcome, Request};
 
     #[test]
     fn answers_to_a_request_may_still_come_unless_it_was_sent_once_and_accepted() {
@@ -227,16 +216,5 @@ mod tests {
         assert!(in_flight(1, true, true));
         assert!(in_flight(1, false, false));
         assert!(in_flight(2, true, false));
-    }
-
-    #[test]
-    fn a_stage_is_read_as_it_was_stored_and_none_as_free() {
-        let mut request = Request::default();
-        for stage in [Stage::Queued, Stage::Sent, Stage::NackAfterRetry, Stage::Accepted, Stage::Ended, Stage::Free] {
-            request.set_stage(stage);
-            assert_eq!(request.stage(), stage);
-        }
-        request.stage = 6;
-        assert_eq!(request.stage(), Stage::Free);
     }
 }

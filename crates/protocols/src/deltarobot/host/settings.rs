@@ -3,7 +3,7 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use crate::deltarobot::Observer;
-use crate::session::{RoundTrips, count, span, times};
+use crate::session::{RoundTrips, count, span};
 
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times are at most
 /// 2147483647 ms (24 days).
@@ -55,14 +55,6 @@ impl Settings {
         span(self.poll_ms, 200)
     }
 
-    pub(super) fn silence(&self) -> u32 {
-        span(self.silence_ms, 3000)
-    }
-
-    pub(super) fn operation(&self) -> u32 {
-        span(self.operation_ms, 120_000)
-    }
-
     pub(super) fn gap(&self) -> u32 {
         span(self.gap_ms, 50)
     }
@@ -74,10 +66,6 @@ impl Settings {
             bits @ ..0x7F80_0000 => bits,
             _ => 0x7F7F_FFFF,
         }
-    }
-
-    pub(super) fn attempts(&self) -> u8 {
-        times(self.attempts, 4, 1)
     }
 }
 
@@ -119,13 +107,9 @@ mod tests {
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut settings = Settings::default();
-        assert_eq!((settings.ack(), settings.guard(), settings.settle()), (250, 500, 500));
-        assert_eq!((settings.attempts(), settings.tolerance()), (4, 0.25_f32.to_bits()));
-        (settings.ack_ms, settings.guard_ms, settings.attempts) = (u32::MAX, 900, 1000);
-        assert_eq!((settings.ack(), settings.guard(), settings.settle()), (0x7FFF_FFFF, 900, 900));
-        assert_eq!(settings.attempts(), 255);
-        settings.attempts = -1;
-        assert_eq!(settings.attempts(), 1);
+        assert_eq!((settings.settle(), settings.tolerance()), (500, 0.25_f32.to_bits()));
+        settings.guard_ms = 900;
+        assert_eq!(settings.settle(), 900);
         for (set, used) in [(-0.0, 0.25), (-2.5, 2.5), (f32::MAX, f32::MAX), (f32::INFINITY, f32::MAX)] {
             settings.tolerance = set;
             assert_eq!(settings.tolerance(), f32::to_bits(used));

@@ -3,7 +3,7 @@
 use super::Session;
 use super::operation::Fact;
 use super::request::{Outcome, Request, Stage};
-use crate::session::{Flags, count, left};
+use crate::session::{Flags, count, left, span, times};
 
 /// The time left where nothing is due. Other times are shorter.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -79,8 +79,8 @@ impl Session {
 
     /// How long until an accepted operation is given up.
     fn timeout_left(&self, now: u32) -> u32 {
-        let silence = left(now, self.heard_at, self.settings.silence());
-        silence.min(left(now, self.started_at, self.settings.operation()))
+        let silence = left(now, self.heard_at, span(self.settings.silence_ms, 3000));
+        silence.min(left(now, self.started_at, span(self.settings.operation_ms, 120_000)))
     }
 
     fn operation_due(&mut self, now: u32) {
@@ -112,7 +112,7 @@ impl Session {
     /// An answer is overdue: counts that, and the retransmission unless the request was sent often enough.
     fn may_retransmit(&mut self, sent: u8) -> bool {
         count(&mut self.health.timeouts);
-        let may = sent < self.settings.attempts();
+        let may = sent < times(self.settings.attempts, 4, 1);
         if may {
             count(&mut self.health.retransmissions);
         }
