@@ -27,8 +27,7 @@ pub mod text;
 pub const DP_LAYOUT_AUTO: c_int = 0;
 /// Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.
 pub const DP_LAYOUT_SPEC: c_int = 1;
-/// Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
-/// from 13 on is read.
+/// Status reports as shipped firmware sends them: DA, DB, DC, STAT, 3 bytes, written as 0; read from 13 bytes on.
 pub const DP_LAYOUT_FIRMWARE: c_int = 2;
 
 // A position of C's is read and written as three u32, the bits of its floats.
@@ -50,13 +49,8 @@ unsafe fn payload_of<'a>(msg: *const ProtocolMsg) -> Option<&'a [u8]> {
 }
 
 /// The layout that a `DP_LAYOUT_*` means.
-pub(super) const fn layout_of(layout: c_int) -> Option<Layout> {
-    match layout {
-        DP_LAYOUT_AUTO => Some(Layout::Auto),
-        DP_LAYOUT_SPEC => Some(Layout::Spec),
-        DP_LAYOUT_FIRMWARE => Some(Layout::Firmware),
-        _ => None,
-    }
+pub(super) fn layout_of(layout: c_int) -> Option<Layout> {
+    Layout::of(u8::try_from(layout).ok()?)
 }
 
 /// Takes a position over from C, as bits: a signalling NaN would not survive being loaded as a float.

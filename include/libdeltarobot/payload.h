@@ -47,13 +47,8 @@ extern "C" {
 
 /** Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes. */
 #define DP_LAYOUT_SPEC 1
-
-/**
- * Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
- * from 13 on is read.
- */
+/** Status reports as shipped firmware sends them: DA, DB, DC, STAT, 3 bytes, written as 0; read from 13 bytes on. */
 #define DP_LAYOUT_FIRMWARE 2
-
 /** Size of a buffer that the text of any message fits in. */
 #define DP_MSG_TEXT_MAX 96
 
@@ -86,9 +81,7 @@ int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build"
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
 /**
- * Builds a refusal of the request with the opcode answered, which is not checked.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ * Builds a refusal likewise, and returns the same.
  *
  * ```c
  * struct protocol_msg answer;

@@ -41,9 +41,7 @@ pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) 
     unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
 }
 
-/// Builds a refusal of the request with the opcode answered, which is not checked.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+/// Builds a refusal likewise, and returns the same.
 ///
 /// ```c
 /// struct protocol_msg answer;
@@ -105,10 +103,8 @@ pub unsafe extern "C" fn dp_build_status_report(
 ///
 /// msg is NULL or points to a whole object of the caller's.
 unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout) -> c_int {
+    let (Some(message), false) = (message, msg.is_null()) else { return DP_RC_ERROR_GENERIC };
     let mut payload = [0; PAYLOAD_MAX];
-    let (Some(message), false) = (message, msg.is_null()) else {
-        return DP_RC_ERROR_GENERIC;
-    };
     let length = message.write(layout, &mut payload);
     if length > DP_DATA_MAX_SIZE {
         return DP_RC_ERROR_GENERIC;

@@ -83,12 +83,12 @@ use timers::NEVER;
 /// A host session with a [`Receiver`] of `ROOM` bytes. All zero is a new one with default settings.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Host<const ROOM: usize> {
-    receiver: Receiver<ROOM>,
+    session: Session,
     /// When the last bytes came.
     arrived_at: u32,
-    /// Not 0: not all of them were taken.
+    receiver: Receiver<ROOM>,
+    /// Not 0: not all bytes were taken.
     has_more: u8,
-    session: Session,
 }
 
 /// All of a session but what it receives.
@@ -240,7 +240,7 @@ impl<const ROOM: usize> Host<ROOM> {
                 *place = P::of(*byte);
             }
             session.heard_at = now;
-            let layout = Layout::of(session.settings.layout);
+            let layout = Layout::of(session.settings.layout).unwrap_or_default();
             match Message::read_after(frame.opcode, frame.payload, layout, &mut session.seen_layout) {
                 Some(message) => session.handle(&message, now),
                 None => count(&mut session.health.malformed),
@@ -281,8 +281,8 @@ impl<const ROOM: usize> Host<ROOM> {
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let gap = left(now, self.arrived_at, self.session.settings.gap());
-        let gap = if self.receiver.is_empty() { NEVER } else { gap };
+        let gap = || left(now, self.arrived_at, self.session.settings.gap());
+        let gap = if self.receiver.is_empty() { NEVER } else { gap() };
         let left = gap.min(self.session.time_left(now));
         (left != NEVER).then_some(left)
     }

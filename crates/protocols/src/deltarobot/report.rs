@@ -1,6 +1,6 @@
 //! Status reports, and in which of two layouts they are written (specification, section "Status Report").
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
 use super::{POSITION_SIZE, Position};
 
@@ -8,7 +8,7 @@ use super::{POSITION_SIZE, Position};
 pub(super) const REPORT_SIZE: usize = POSITION_SIZE.wrapping_add(1);
 
 /// Where STAT stands in a status report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, TryFromBytes)]
 #[repr(u8)]
 pub enum Layout {
     /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes may be either's: firmware like the
@@ -36,14 +36,10 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// The layout that is stored as this number; [`Auto`](Self::Auto) where it is none's.
+    /// The layout that is stored as this number, if one is.
     #[must_use]
-    pub const fn of(stored: u8) -> Self {
-        match stored {
-            1 => Self::Spec,
-            2 => Self::Firmware,
-            _ => Self::Auto,
-        }
+    pub fn of(stored: u8) -> Option<Self> {
+        Self::try_read_from_bytes(&[stored]).ok()
     }
 }
 
@@ -134,7 +130,7 @@ impl SeenLayout {
         if spec.abs_diff(firmware) > 1 {
             self.0 = if spec > firmware { Layout::Spec } else { Layout::Firmware } as u8;
         }
-        Some(match Layout::of(self.0) {
+        Some(match Layout::of(self.0).unwrap_or_default() {
             Layout::Auto => spec > firmware,
             seen => seen == Layout::Spec,
         })
@@ -277,11 +273,6 @@ mod tests {
                         }
                     }
                     let (alone, in_session) = (alone / count, in_session / count);
-                    std::println!(
-                        "{name:20} {layout:?} {reserved:#04x}: {:8.4} % alone, {:8.4} % in a session",
-                        alone * 100.0,
-                        in_session * 100.0
-                    );
                     assert!(alone >= *least_alone && in_session >= *least_in_session, "{name}");
                 }
             }
