@@ -49,8 +49,13 @@ unsafe fn payload_of<'a>(msg: *const ProtocolMsg) -> Option<&'a [u8]> {
 }
 
 /// The layout that a `DP_LAYOUT_*` means.
-pub(super) fn layout_of(layout: c_int) -> Option<Layout> {
-    Layout::of(u8::try_from(layout).ok()?)
+pub(super) const fn layout_of(layout: c_int) -> Option<Layout> {
+    match layout {
+        DP_LAYOUT_AUTO => Some(Layout::Auto),
+        DP_LAYOUT_SPEC => Some(Layout::Spec),
+        DP_LAYOUT_FIRMWARE => Some(Layout::Firmware),
+        _ => None,
+    }
 }
 
 /// Takes a position over from C, as bits: a signalling NaN would not survive being loaded as a float.

@@ -153,7 +153,7 @@ impl Served {
     pub(super) fn report(self) -> Report {
         let report = self.status();
         let mut payload = [0; PAYLOAD_MAX];
-        let layout = Layout::of(self.with(|state| state.layout)).unwrap_or_default();
+        let layout = Layout::of(self.with(|state| state.layout));
         let length = Message::StatusReport(report).write(layout, &mut payload);
         self.send(Opcode::STATUS_REPL, payload.get(..length).unwrap_or_default());
         report

@@ -74,7 +74,7 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 use super::{
     FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Receiver, Report, SeenLayout, encode,
 };
-use crate::session::{Flags, count, flags, left};
+use crate::session::{Flags, count, flags, left, span};
 pub use request::Outcome;
 use request::{Request, Stage};
 pub use settings::{Health, Settings};
@@ -83,15 +83,21 @@ use timers::NEVER;
 /// A host session with a [`Receiver`] of `ROOM` bytes. All zero is a new one with default settings.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Host<const ROOM: usize> {
+    link: Link<ROOM>,
     session: Session,
+}
+
+/// What was received. Apart from the session, of which AVR then reaches more by short offsets.
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+struct Link<const ROOM: usize> {
     /// When the last bytes came.
     arrived_at: u32,
     receiver: Receiver<ROOM>,
-    /// Not 0: not all bytes were taken.
+    /// Not 0: not all of them were taken.
     has_more: u8,
 }
 
-/// All of a session but what it receives.
+/// All of a session but the bytes that it has received.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 struct Session {
     settings: Settings,
@@ -215,19 +221,19 @@ impl<const ROOM: usize> Host<ROOM> {
     /// Takes received bytes, as many as there is room for, and returns how many. The others fit when
     /// [`poll`](Self::poll) has no more events. `now` is when they came.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
-        let taken = self.receiver.take(input);
+        let taken = self.link.receiver.take(input);
         if taken != 0 {
-            self.arrived_at = now;
+            self.link.arrived_at = now;
         }
-        self.has_more = u8::from(taken < input.len());
+        self.link.has_more = u8::from(taken < input.len());
         taken
     }
 
     /// The next event; `None` when there is none. Of [`Event::Message`], the payload is copied to `data` as far as that
     /// goes; other events change it too.
     pub fn poll<P: Place>(&mut self, now: u32, data: &mut [P]) -> Option<Event> {
-        let is_quiet = self.has_more == 0 && left(now, self.arrived_at, self.session.settings.gap()) == 0;
-        let Self { receiver, session, .. } = self;
+        let is_quiet = self.link.has_more == 0 && self.gap_left(now) == 0;
+        let Self { link: Link { receiver, has_more, .. }, session } = self;
         loop {
             if let Some(event) = session.next_event() {
                 return Some(event);
@@ -240,7 +246,7 @@ impl<const ROOM: usize> Host<ROOM> {
                 *place = P::of(*byte);
             }
             session.heard_at = now;
-            let layout = Layout::of(session.settings.layout).unwrap_or_default();
+            let layout = Layout::of(session.settings.layout);
             match Message::read_after(frame.opcode, frame.payload, layout, &mut session.seen_layout) {
                 Some(message) => session.handle(&message, now),
                 None => count(&mut session.health.malformed),
@@ -250,7 +256,7 @@ impl<const ROOM: usize> Host<ROOM> {
             }
         }
         // What was received already is no answer to what is sent next, and may end what would time out.
-        if core::mem::replace(&mut self.has_more, 0) == 0 {
+        if core::mem::replace(has_more, 0) == 0 {
             session.on_timer(now);
         }
         session.next_event()
@@ -281,10 +287,14 @@ impl<const ROOM: usize> Host<ROOM> {
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let gap = || left(now, self.arrived_at, self.session.settings.gap());
-        let gap = if self.receiver.is_empty() { NEVER } else { gap() };
+        let gap = if self.link.receiver.is_empty() { NEVER } else { self.gap_left(now) };
         let left = gap.min(self.session.time_left(now));
         (left != NEVER).then_some(left)
+    }
+
+    /// How long until what is incomplete is given up.
+    fn gap_left(&self, now: u32) -> u32 {
+        left(now, self.link.arrived_at, span(self.session.settings.gap_ms, 50))
     }
 }
 
@@ -346,7 +356,7 @@ mod tests {
         while !bytes.is_empty() {
             let taken = host.receive(bytes, 0);
             bytes = &bytes[taken..];
-            assert_eq!(host.has_more != 0, !bytes.is_empty());
+            assert_eq!(host.link.has_more != 0, !bytes.is_empty());
             received.extend(opcodes(host, 0));
         }
         received
@@ -377,8 +387,8 @@ mod tests {
         assert_eq!(feed(&mut host, b"$M\x0C$S\0\xB1:"), b"");
         assert_eq!(host.next_deadline(20), Some(30));
         assert_eq!(opcodes(&mut host, 49), b"");
-        host.has_more = 1;
-        assert_eq!((host.poll(50, &mut [0; 0]), host.has_more), (None, 0));
+        host.link.has_more = 1;
+        assert_eq!((host.poll(50, &mut [0; 0]), host.link.has_more), (None, 0));
         assert_eq!(opcodes(&mut host, 50), b"S");
         assert_eq!((host.health().garbage_bytes, host.next_deadline(50)), (3, None));
     }

@@ -20,7 +20,11 @@ impl Position {
     #[inline]
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes.first_chunk()?;
-        Some(Self([[a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]].map(u32::from_le_bytes)))
+        Some(Self([
+            u32::from_le_bytes([a0, a1, a2, a3]),
+            u32::from_le_bytes([b0, b1, b2, b3]),
+            u32::from_le_bytes([c0, c1, c2, c3]),
+        ]))
     }
 
     /// The bytes for the wire.

@@ -36,10 +36,10 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// The layout that is stored as this number, if one is.
+    /// The layout that is stored as this number; [`Auto`](Self::Auto) where it is none's.
     #[must_use]
-    pub fn of(stored: u8) -> Option<Self> {
-        Self::try_read_from_bytes(&[stored]).ok()
+    pub fn of(stored: u8) -> Self {
+        Self::try_read_from_bytes(&[stored]).unwrap_or_default()
     }
 }
 
@@ -130,7 +130,7 @@ impl SeenLayout {
         if spec.abs_diff(firmware) > 1 {
             self.0 = if spec > firmware { Layout::Spec } else { Layout::Firmware } as u8;
         }
-        Some(match Layout::of(self.0).unwrap_or_default() {
+        Some(match Layout::of(self.0) {
             Layout::Auto => spec > firmware,
             seen => seen == Layout::Spec,
         })

@@ -55,10 +55,6 @@ impl Settings {
         span(self.poll_ms, 200)
     }
 
-    pub(super) fn gap(&self) -> u32 {
-        span(self.gap_ms, 50)
-    }
-
     /// The bits of the float, which is finite.
     pub(super) const fn tolerance(&self) -> u32 {
         match self.tolerance.abs().to_bits() {
