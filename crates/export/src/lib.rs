@@ -21,13 +21,9 @@ pub fn export(family: TokenStream, function: TokenStream) -> TokenStream {
 }
 
 fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static str> {
-    let family_sizes = match family {
-        "" => None,
-        "dp" => Some("DP_SIZES"),
-        "olp" => Some("OLP_SIZES"),
-        "gx" => Some("GX_SIZES"),
-        _ => return Err("no family of sizes: dp, olp or gx"),
-    };
+    if !matches!(family, "" | "dp" | "olp" | "gx") {
+        return Err("no family of sizes: dp, olp or gx");
+    }
     let is_word = |token: &TokenTree, word: &str| matches!(token, TokenTree::Ident(ident) if ident.to_string() == word);
     let keyword = tokens.iter().position(|token| is_word(token, "fn")).ok_or("not a function")?;
     let (head, function) = tokens.split_at(keyword);
@@ -42,7 +38,8 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
     output.extend(parse(&format!("{safety} #[unsafe(no_mangle)]"))?);
     output.extend(qualifiers.iter().chain(function).cloned());
 
-    if let Some(sizes) = family_sizes {
+    if !family.is_empty() {
+        let sizes = family.to_uppercase() + "_SIZES";
         let symbol = format!("::core::concat!(\"{name}_\", ::core::env!(\"{sizes}\"))");
         let qualifiers = if is_unsafe { "unsafe" } else { "" };
         let start =
