@@ -14,16 +14,14 @@ use serving::{Served, State};
 
 mod serving;
 
-/// Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
-/// place, as in shipped firmware.
+/// Refuses homing and moving during an operation. Without it they take that one's place, as in shipped firmware.
 pub const DP_CONTROLLER_REFUSE_BUSY: c_int = 1;
 /// The end of homing and of a move is reported by `h` and `m` (specification), besides the status report.
 pub const DP_CONTROLLER_REPORT_END: c_int = 2;
 /// An error during an operation is reported by `e` (specification), besides the status report.
 pub const DP_CONTROLLER_REPORT_ERROR: c_int = 4;
 
-/// Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
-/// `DP_STATUS_HOMING`.
+/// Begins to home. Returns 0, or anything else to refuse. From then until the end, the state is `DP_STATUS_HOMING`.
 ///
 /// ```c
 /// int start_homing(void *usr)
@@ -32,8 +30,8 @@ pub const DP_CONTROLLER_REPORT_ERROR: c_int = 4;
 /// }
 /// ```
 pub type HomeFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
-/// Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
-/// end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+/// Begins to move to target, which is free of NaNs, and gone when the function returns. Returns 0, or anything else to
+/// refuse. From then until the end, the state is `DP_STATUS_MOVING`.
 ///
 /// ```c
 /// int start_move(const struct protocol_msg_position *target, void *usr)
@@ -62,8 +60,7 @@ pub type CancelFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
 /// ```
 pub type ReadFunc = Option<unsafe extern "C" fn(report: *mut StatusReport, usr: *mut c_void)>;
 
-/// The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
-/// NULL; `read` and `send` are needed.
+/// The firmware's own functions. `read` and `send` are needed; what another one would do is refused where it is NULL.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Calls {
@@ -82,8 +79,7 @@ pub struct Calls {
 /// Words of a controller's room.
 pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 
-/// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one
-/// does nothing.
+/// A controller. As it keeps pointers, it has to be made by `dp_controller_init`, or all zero, which does nothing.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Controller {
@@ -94,13 +90,11 @@ state!(Controller: State);
 
 /// Makes a controller of any memory.
 ///
-/// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
-/// 0 for both, it answers like shipped firmware. calls' functions can be called with usr; calls stays there as long as
-/// the controller is used.
+/// layout is that of status reports, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both,
+/// it answers like shipped firmware. calls' functions are given usr; calls stays there as long as the controller.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
-/// the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
-/// `DP_LAYOUT_SPEC`).
+/// the layout is none of these, or `DP_DATA_MAX_SIZE` is below 16, a status report (13 for `DP_LAYOUT_SPEC`).
 ///
 /// ```c
 /// static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
@@ -126,18 +120,13 @@ pub unsafe extern "C" fn dp_controller_init(
         _ => return DP_RC_ERROR_GENERIC,
     }
     // SAFETY: not NULL, so the caller's whole object; it was made just now.
-    match unsafe { Served::new(controller) } {
-        Some(_) => DP_RC_SUCCESS,
-        None => DP_RC_ERROR_GENERIC,
-    }
+    if unsafe { Served::new(controller) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }
 
-/// Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
-/// a queue of the firmware's own.
+/// Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
 ///
-/// Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
-/// it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and
-/// bytes is not 0.
+/// Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
+/// Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in), taken = 0;

@@ -1,7 +1,6 @@
 //! The storage of the drop-in pair: a ring of bytes whose fields C can see.
 
 use core::ffi::c_int;
-use core::mem::offset_of;
 
 use deltarobot_protocols::bytes::{Wrapped, copy_into_ring, wrap};
 use deltarobot_protocols::deltarobot::{FRAME_HEAD, FRAME_OVERHEAD, Opcode, Verdict, judge_head, judge_tail};
@@ -12,11 +11,11 @@ use crate::memory::int;
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Ring<const SIZE: usize> {
-    bytes: [u8; SIZE],
+    pub(crate) bytes: [u8; SIZE],
     /// Where the first unread byte is, below `SIZE`.
-    start: c_int,
+    pub(crate) start: c_int,
     /// Number of unread bytes, at most `SIZE`.
-    used: c_int,
+    pub(crate) used: c_int,
 }
 
 /// Bytes were lost for want of room.
@@ -24,9 +23,6 @@ pub(crate) struct Ring<const SIZE: usize> {
 pub(crate) struct Overflow;
 
 impl<const SIZE: usize> Ring<SIZE> {
-    /// Where its fields lie.
-    pub(crate) const OFFSETS: [usize; 3] = [offset_of!(Self, bytes), offset_of!(Self, start), offset_of!(Self, used)];
-
     /// Makes it all zero, whatever it was.
     pub(crate) fn clear(&mut self) {
         for byte in &mut self.bytes {

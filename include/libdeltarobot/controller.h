@@ -26,12 +26,8 @@ LIBDELTAROBOT_NOT_PACKED(controller);
 extern "C" {
 #endif
 
-/**
- * Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
- * place, as in shipped firmware.
- */
+/** Refuses homing and moving during an operation. Without it they take that one's place, as in shipped firmware. */
 #define DP_CONTROLLER_REFUSE_BUSY 1
-
 /** The end of homing and of a move is reported by `h` and `m` (specification), besides the status report. */
 #define DP_CONTROLLER_REPORT_END 2
 /** An error during an operation is reported by `e` (specification), besides the status report. */
@@ -39,17 +35,13 @@ extern "C" {
 /** Words of a controller's room. */
 #define DP_CONTROLLER_WORDS ((DP_DATA_MAX_SIZE / 4) + 13)
 
-/**
- * A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one
- * does nothing.
- */
+/** A controller. As it keeps pointers, it has to be made by `dp_controller_init`, or all zero, which does nothing. */
 struct dp_controller {
   LIBDELTAROBOT_WORD opaque[DP_CONTROLLER_WORDS];
 };
 
 /**
- * Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
- * `DP_STATUS_HOMING`.
+ * Begins to home. Returns 0, or anything else to refuse. From then until the end, the state is `DP_STATUS_HOMING`.
  *
  * ```c
  * int start_homing(void *usr)
@@ -61,8 +53,8 @@ struct dp_controller {
 typedef int (*dp_controller_home_func_t)(void *usr);
 
 /**
- * Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
- * end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+ * Begins to move to target, which is free of NaNs, and gone when the function returns. Returns 0, or anything else to
+ * refuse. From then until the end, the state is `DP_STATUS_MOVING`.
  *
  * ```c
  * int start_move(const struct protocol_msg_position *target, void *usr)
@@ -99,8 +91,7 @@ typedef int (*dp_controller_cancel_func_t)(void *usr);
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
 /**
- * The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
- * NULL; `read` and `send` are needed.
+ * The firmware's own functions. `read` and `send` are needed; what another one would do is refused where it is NULL.
  */
 struct dp_controller_calls {
   /** Begins to home. */
@@ -118,13 +109,11 @@ struct dp_controller_calls {
 /**
  * Makes a controller of any memory.
  *
- * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
- * 0 for both, it answers like shipped firmware. calls' functions can be called with usr; calls stays there as long as
- * the controller is used.
+ * layout is that of status reports, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both,
+ * it answers like shipped firmware. calls' functions are given usr; calls stays there as long as the controller.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
- * the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
- * `DP_LAYOUT_SPEC`).
+ * the layout is none of these, or `DP_DATA_MAX_SIZE` is below 16, a status report (13 for `DP_LAYOUT_SPEC`).
  *
  * ```c
  * static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
@@ -136,12 +125,10 @@ int dp_controller_init(struct dp_controller *controller, const struct dp_control
     int flags) DP_SIZED("dp_controller_init");
 
 /**
- * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
- * a queue of the firmware's own.
+ * Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
  *
- * Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
- * it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and
- * bytes is not 0.
+ * Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
+ * Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in), taken = 0;

@@ -106,8 +106,7 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp
 int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED("dp_build_move");
 
 /**
- * Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
- * zero.
+ * Builds a status report in a layout, `DP_LAYOUT_*`. Floats are copied bit by bit, reserved bits of STAT cleared.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
  * `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.
@@ -137,8 +136,7 @@ int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 /**
  * Reads from an ack or a nack which opcode it answers.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long,
- * or a pointer is NULL.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is no such, or a pointer NULL.
  *
  * ```c
  * unsigned char answered;
@@ -151,8 +149,7 @@ int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_S
 /**
  * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12
- * bytes long, or a pointer is NULL.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such, or a pointer NULL.
  *
  * ```c
  * struct protocol_msg_position target;
@@ -194,9 +191,8 @@ const char *dp_opcode_name(unsigned char opcode);
  * Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
  *
  * snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
- * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
- * them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not
- * shown.
+ * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes them.
+ * Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
  *
  * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
  * negative, or buf is NULL and cap is not 0.

@@ -50,9 +50,7 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
  *
  * Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
- * are in the ring already come first.
- *
- * buf's bytes stay as they are until the call returns.
+ * are in the ring already come first. buf's bytes stay as they are until the call returns.
  *
  * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
  * rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
@@ -67,15 +65,15 @@ int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_m
     DP_SIZED("dp_process_each");
 
 /**
- * Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
- * 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
+ * Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at 115200 baud
+ * one of 37 bytes takes 3.2 ms).
  *
- * What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
- * `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
+ * What is incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands
+ * behind it delivered; `dp_recv` would wait until enough bytes have come.
  *
  * Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
- * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
- * `opcode` is set to 0xFF and the rest of msg is left as it was.
+ * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL; sets `opcode` as
+ * `dp_recv` does.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)

@@ -63,10 +63,7 @@ struct dp_serial_settings {
   int dtr;
   /** RTS after opening, likewise. Both change at once. */
   int rts;
-  /**
-   * Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
-   * Windows always drops them.
-   */
+  /** Not 0: closing leaves DTR and RTS as they are, for later programs too (`stty -hupcl`). Windows drops them. */
   int keep_lines;
 };
 
@@ -76,9 +73,7 @@ struct dp_serial_settings {
  * device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
  * near to (2 %), 0 for `DP_SERIAL_BAUD`. It waits for no carrier. As long as it is open, nobody else can open the
  * device by this function or, unless as root or if it is a pseudo-terminal, otherwise. What was received before is
- * discarded.
- *
- * device is NULL or a string. An open port must be closed first: else its file descriptor is lost.
+ * discarded. An open port must be closed first: else its file descriptor is lost.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
  * is NULL. Unless it succeeded, the port is closed.
@@ -93,8 +88,6 @@ int dp_serial_open(struct dp_serial *serial, const char *device, unsigned long b
 
 /**
  * Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
- *
- * Returns what `dp_serial_open` does.
  *
  * ```c
  * struct dp_serial_settings settings = {0};
@@ -165,9 +158,7 @@ int dp_serial_send(void *buf, int bytes, void *usr);
 int dp_serial_drain(struct dp_serial *serial);
 
 /**
- * Discards what was received and not read.
- *
- * Returns what `dp_serial_drain` does.
+ * Discards what was received and not read. Returns what `dp_serial_drain` does.
  *
  * ```c
  * if (dp_serial_discard(&port) == DP_RC_SUCCESS)
@@ -193,8 +184,6 @@ int dp_serial_set_dtr(struct dp_serial *serial, int on);
 /**
  * Sets RTS, as `dp_serial_set_dtr` sets DTR.
  *
- * Returns what `dp_serial_set_dtr` does.
- *
  * ```c
  * dp_serial_set_rts(&port, DP_SERIAL_OFF);
  * ```
@@ -202,9 +191,8 @@ int dp_serial_set_dtr(struct dp_serial *serial, int on);
 int dp_serial_set_rts(struct dp_serial *serial, int on);
 
 /**
- * The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
- *
- * Returns it, or -1 when serial is NULL or closed.
+ * Returns the file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2), in Windows the `HANDLE` as an
+ * int; or -1 when serial is NULL or closed.
  *
  * ```c
  * int fd = dp_serial_handle(&port);
@@ -213,9 +201,7 @@ int dp_serial_set_rts(struct dp_serial *serial, int on);
 int dp_serial_handle(const struct dp_serial *serial);
 
 /**
- * Closes it. What was written is still sent.
- *
- * Returns `DP_RC_SUCCESS`, also when it was closed, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+ * Closes it. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when serial is NULL.
  *
  * ```c
  * dp_serial_drain(&port);
@@ -225,10 +211,8 @@ int dp_serial_handle(const struct dp_serial *serial);
 int dp_serial_close(struct dp_serial *serial);
 
 /**
- * The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
- *
- * Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial
- * is NULL.
+ * Returns the device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`: a
+ * string that lives and changes with the port, empty when nothing did since it was opened or serial is NULL.
  *
  * ```c
  * if (dp_serial_read(&port, in, sizeof in, 100) < 0)

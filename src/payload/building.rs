@@ -72,8 +72,7 @@ pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Pos
     unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
 }
 
-/// Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
-/// zero.
+/// Builds a status report in a layout, `DP_LAYOUT_*`. Floats are copied bit by bit, reserved bits of STAT cleared.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
 /// `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.

@@ -19,16 +19,12 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode};
 #[export(dp)]
 pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    match unsafe { read(msg, Layout::Auto) } {
-        Some(_) => DP_RC_SUCCESS,
-        None => DP_RC_ERROR_GENERIC,
-    }
+    if unsafe { read(msg, Layout::Auto) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }
 
 /// Reads from an ack or a nack which opcode it answers.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long,
-/// or a pointer is NULL.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is no such, or a pointer NULL.
 ///
 /// ```c
 /// unsigned char answered;
@@ -47,8 +43,7 @@ pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut 
 
 /// Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12
-/// bytes long, or a pointer is NULL.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such, or a pointer NULL.
 ///
 /// ```c
 /// struct protocol_msg_position target;

@@ -29,9 +29,8 @@ pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
 /// Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
 ///
 /// snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
-/// nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
-/// them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not
-/// shown.
+/// nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes them.
+/// Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
 ///
 /// Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
 /// negative, or buf is NULL and cap is not 0.
