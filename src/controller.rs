@@ -115,10 +115,14 @@ pub unsafe extern "C" fn dp_controller_init(
         None => return DP_RC_ERROR_GENERIC,
     };
     // SAFETY: NULL or the caller's whole object.
-    match unsafe { Controller::init(controller) } {
-        Some(state) if longest <= DP_DATA_MAX_SIZE => state.set(calls, usr, layout, flags),
-        _ => return DP_RC_ERROR_GENERIC,
-    }
+    let Some(state) = unsafe { Controller::init(controller) }.filter(|_| longest <= DP_DATA_MAX_SIZE) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    (state.calls, state.usr) = (calls.expose_provenance(), usr.expose_provenance());
+    state.layout = u8::try_from(layout).unwrap_or_default();
+    state.controller.refuse_busy(flags & DP_CONTROLLER_REFUSE_BUSY != 0);
+    state.reports_end = u8::from(flags & DP_CONTROLLER_REPORT_END != 0);
+    state.reports_error = u8::from(flags & DP_CONTROLLER_REPORT_ERROR != 0);
     // SAFETY: not NULL, so the caller's whole object; it was made just now.
     if unsafe { Served::new(controller) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }

@@ -56,5 +56,4 @@ mod ring;
 #[cfg(all(any(unix, windows), feature = "serial"))]
 pub mod serial;
 pub mod sizes;
-#[allow(unused, reason = "the sessions move to it one by one")]
 mod state;

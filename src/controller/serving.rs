@@ -1,12 +1,12 @@
 //! The firmware's own functions, called where the core's controller asks for them.
 
-use core::ffi::{c_int, c_void};
+use core::ffi::c_void;
 use core::mem::MaybeUninit;
 use core::ptr::with_exposed_provenance;
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{Calls, Controller, DP_CONTROLLER_REFUSE_BUSY, DP_CONTROLLER_REPORT_END, DP_CONTROLLER_REPORT_ERROR};
+use super::{Calls, Controller};
 use crate::memory::int;
 use crate::payload::{position_to, report_from};
 use crate::protocol::StatusReport;
@@ -21,23 +21,12 @@ use deltarobot_protocols::deltarobot::{
 pub(crate) struct State {
     pub(super) controller: Core<{ receiver_room(DP_DATA_MAX_SIZE) }>,
     /// Addresses of the calls and of usr.
-    calls: usize,
-    usr: usize,
-    layout: u8,
+    pub(super) calls: usize,
+    pub(super) usr: usize,
+    pub(super) layout: u8,
     /// Not 0: the end of an operation, and an error in one, are reported as the specification says.
-    reports_end: u8,
-    reports_error: u8,
-}
-
-impl State {
-    pub(super) fn set(&mut self, calls: *const Calls, usr: *mut c_void, layout: c_int, flags: c_int) {
-        self.controller.refuse_busy(flags & DP_CONTROLLER_REFUSE_BUSY != 0);
-        self.calls = calls.expose_provenance();
-        self.usr = usr.expose_provenance();
-        self.layout = u8::try_from(layout).unwrap_or_default();
-        self.reports_end = u8::from(flags & DP_CONTROLLER_REPORT_END != 0);
-        self.reports_error = u8::from(flags & DP_CONTROLLER_REPORT_ERROR != 0);
-    }
+    pub(super) reports_end: u8,
+    pub(super) reports_error: u8,
 }
 
 /// A controller with functions of the firmware's. No reference to it lives while one of these runs: they may call the

@@ -33,7 +33,7 @@ pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
 /// Claims a device, and only then changes it: another program may be using it.
 fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
     let Settings { baud, dtr, rts, keep_lines } = *asked;
-    let mut settings = terminal::get(fd).map_err(|error| match error {
+    let mut settings = settings_of(fd).map_err(|error| match error {
         libc::ENOTTY | libc::EINVAL | libc::ENODEV | libc::EOPNOTSUPP => Cause::NoSerialPort,
         _ => cause_of(error),
     })?;
@@ -50,7 +50,7 @@ fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
     if keep_lines != 0 {
         settings.c_cflag &= !libc::HUPCL;
     }
-    let taken = terminal::set_speed(fd, &mut settings, baud).and_then(|()| terminal::get(fd));
+    let taken = terminal::set_speed(fd, &mut settings, baud).and_then(|()| settings_of(fd));
     match taken {
         // A call succeeds when one of the settings was taken.
         Ok(now) if settings.c_cflag & FRAMING == now.c_cflag & FRAMING && terminal::has_speed(&now, baud) => Ok(()),
@@ -82,6 +82,15 @@ fn release(fd: c_int) {
     }
 }
 
+/// How a terminal is set.
+fn settings_of(fd: c_int) -> Result<terminal::Settings, Error> {
+    let mut settings = MaybeUninit::uninit();
+    // SAFETY: there is room for the settings.
+    success(unsafe { terminal::get(fd, settings.as_mut_ptr()) })?;
+    // SAFETY: it succeeded, so it has written them.
+    Ok(unsafe { settings.assume_init() })
+}
+
 /// Sets everything but the speed. A read ends with the first byte.
 fn make_raw(settings: &mut terminal::Settings) {
     settings.c_iflag &= !(libc::IGNBRK | libc::BRKINT | libc::PARMRK | libc::ISTRIP | libc::INPCK);
@@ -107,15 +116,13 @@ const FRAMING: libc::tcflag_t = libc::CSIZE | libc::CSTOPB | libc::PARENB | libc
 ))]
 mod terminal {
     use super::super::is_near;
-    use super::{Error, MaybeUninit, c_int, c_ulong, success};
+    use super::{Error, c_int, c_ulong, success};
     pub(super) use libc::termios2 as Settings;
 
-    pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
-        let mut settings = MaybeUninit::<Settings>::uninit();
-        // SAFETY: this request writes one termios2, for which there is room.
-        success(unsafe { libc::ioctl(fd, libc::TCGETS2, settings.as_mut_ptr()) })?;
-        // SAFETY: it succeeded, so it has written it.
-        Ok(unsafe { settings.assume_init() })
+    /// Writes one termios2.
+    pub(super) unsafe fn get(fd: c_int, settings: *mut Settings) -> c_int {
+        // SAFETY: there is room for what this request writes.
+        unsafe { libc::ioctl(fd, libc::TCGETS2, settings) }
     }
 
     pub(super) fn set_speed(fd: c_int, settings: &mut Settings, baud: c_ulong) -> Result<(), Error> {
@@ -140,16 +147,8 @@ mod terminal {
 )))]
 mod terminal {
     use super::super::is_near;
-    use super::{Error, MaybeUninit, c_int, c_ulong, success};
-    pub(super) use libc::termios as Settings;
-
-    pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
-        let mut settings = MaybeUninit::<Settings>::uninit();
-        // SAFETY: this writes one termios, for which there is room.
-        success(unsafe { libc::tcgetattr(fd, settings.as_mut_ptr()) })?;
-        // SAFETY: it succeeded, so it has written it.
-        Ok(unsafe { settings.assume_init() })
-    }
+    use super::{Error, c_int, c_ulong, success};
+    pub(super) use libc::{tcgetattr as get, termios as Settings};
 
     pub(super) fn set_speed(fd: c_int, settings: &mut Settings, baud: c_ulong) -> Result<(), Error> {
         let code = super::code(baud);

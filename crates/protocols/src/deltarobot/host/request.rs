@@ -9,11 +9,12 @@ use crate::session::{Flags, Transmission, flags, left};
 /// One request at a time of each kind.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Request {
-    transmission: Transmission,
+    pub(super) transmission: Transmission,
     /// When its predecessor, of which answers may still come, was sent last.
     previous_at: u32,
     marks: Flags<Mark>,
-    stage: u8,
+    /// One of [`Stage`], and of [`Outcome`].
+    pub(super) stage: u8,
     outcome: u8,
 }
 
@@ -87,7 +88,7 @@ impl Request {
             return Err(Busy);
         }
         if self.marks.has(Mark::Used) {
-            let in_flight = duplicates || self.sent() > 1 || !self.marks.has(Mark::Acked);
+            let in_flight = duplicates || self.transmission.sent() > 1 || !self.marks.has(Mark::Acked);
             self.marks.set_to(Mark::PreviousInFlight, in_flight);
             self.previous_at = self.transmission.sent_at();
         }
@@ -142,20 +143,12 @@ impl Request {
         self.transmission.delay(now);
     }
 
-    pub(super) const fn sent(&self) -> u8 {
-        self.transmission.sent()
-    }
-
     /// It was answered, and accepted or refused by that.
     pub(super) fn answer(&mut self, accepted: bool, now: u32, health: &mut Health) {
-        if self.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
+        if self.transmission.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
             health.round_trips.add(self.transmission.elapsed(now));
         }
         self.marks.set_to(Mark::Acked, accepted);
-    }
-
-    pub(super) const fn set_stage(&mut self, stage: Stage) {
-        self.stage = stage as u8;
     }
 
     /// It has ended.
@@ -174,11 +167,6 @@ impl Request {
         Some(Outcome::try_read_from_bytes(&[self.outcome]).unwrap_or(Outcome::TimedOut))
     }
 
-    /// How much of `timeout` is left since it was sent last.
-    pub(super) const fn left(&self, now: u32, timeout: u32) -> u32 {
-        self.transmission.left(now, timeout)
-    }
-
     /// How long answers to the predecessor may still come.
     pub(super) fn previous_left(&self, now: u32, guard: u32) -> u32 {
         if self.marks.has(Mark::PreviousInFlight) { left(now, self.previous_at, guard) } else { 0 }
@@ -186,7 +174,7 @@ impl Request {
 
     /// Whether a retransmission may still be on its way, or its answer.
     pub(super) const fn is_retry_in_flight(&self, now: u32, guard: u32) -> bool {
-        self.sent() > 1 && self.left(now, guard) > 0
+        self.transmission.sent() > 1 && self.transmission.left(now, guard) > 0
     }
 }
 
