@@ -14,15 +14,10 @@ pub mod reading;
 pub mod text;
 
 /// Reading a status report: one of more than 13 bytes has the floats first. 13 bytes may be either layout (firmware
-/// like the shipped one sends so many on AVR); the reading counts in which more is plausible:
-///
-/// - STAT, when its reserved bits (5 to 7) are alike: all 0 or all 1;
-/// - each float that is zero or of a magnitude from 1.1e-19 to 3.6e19;
-/// - twice as much, each that is unknown: 0x7F800001 or 0x7FC00000, with either sign.
-///
-/// Of equal ones it is floats first. A session of `host.h` takes the layout of the last report that was clear (of 14
-/// bytes or more, or better by two), unless this one is clear too.
-///
+/// like the shipped one sends so many on AVR); the reading counts in which more is plausible: STAT, when its reserved
+/// bits (5 to 7) are alike; each float that is zero or of a magnitude from 1.1e-19 to 3.6e19; and twice as much each
+/// that is unknown, 0x7F800001 or 0x7FC00000 with either sign. Of equal ones it is floats first. A session of `host.h`
+/// takes the layout of the last report that was clear (of 14 bytes or more, or better by two), unless this one is too.
 /// Writing one: as `DP_LAYOUT_FIRMWARE`.
 pub const DP_LAYOUT_AUTO: c_int = 0;
 /// Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes.

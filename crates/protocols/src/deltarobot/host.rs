@@ -1,8 +1,7 @@
 //! The host's end of the link: requests go in, outcomes come out.
 //!
 //! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
-//! events. It has room for little more than one frame: [`receive`](Host::receive) takes as many bytes as fit, and the
-//! others when all events of the former were fetched by [`poll`](Host::poll).
+//! events.
 //!
 //! # What can be relied on
 //!
@@ -16,25 +15,21 @@
 //! # A request
 //!
 //! is sent, and retransmitted when no answer came in [`Settings::ack_ms`], up to [`attempts`](field@Settings::attempts)
-//! times altogether. The specification asks for this "depending on the opcode". Here every request is retransmitted,
-//! since carrying one out twice is no harm: a move goes to an absolute position, homing and cancelling end in one
-//! state, asking changes nothing. But an operation is not retransmitted once its cancelling was requested, or an error
-//! was reported: that would move the robot against the user's will.
+//! times altogether, whatever its opcode: carrying one out twice is no harm, as a move goes to an absolute position,
+//! homing and cancelling end in one state, and asking changes nothing. But an operation is not retransmitted once its
+//! cancelling was requested, or an error was reported: that would move the robot against the user's will.
 //!
 //! - Accepted: its ack came. What was received before belongs to an older operation and ends nothing.
 //! - Refused: its nack came. After a retransmission that may be because the first request, whose ack was lost, is being
 //!   carried out: then the state decides.
 //! - Unanswered: it has timed out, unless reports of homing or moving, or of standing at the target after having stood
-//!   elsewhere, have shown that only the answers are lost. Then it counts as accepted, but its end is believed from
-//!   status reports alone.
+//!   elsewhere, have shown that only the answers are lost. Then its end is believed from status reports alone.
 //!
 //! The next operation waits until no answer to the last can come any more, unless that was sent once and accepted and
 //! the line does not duplicate frames ([`Settings::duplicates`]). A cancel request waits for nothing; answers that may
 //! be those of an older one are ignored, and it is retransmitted.
 //!
-//! # An accepted operation
-//!
-//! ends by
+//! An accepted operation ends by
 //!
 //! - `h` or `m` (the specification);
 //! - a report of IDLE (shipped firmware), if homing or moving was reported since the ack, or [`Settings::settle_ms`]

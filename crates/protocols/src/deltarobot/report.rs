@@ -13,14 +13,10 @@ pub(super) const REPORT_SIZE: usize = POSITION_SIZE.wrapping_add(1);
 pub enum Layout {
     /// Reading: more than 13 bytes are [`Firmware`](Self::Firmware)'s. 13 bytes may be either's: firmware like the
     /// shipped one sends so many where structs are not padded, as on AVR. Both readings are rated by what is plausible
-    /// in them:
-    ///
-    /// - STAT, when its reserved bits (5 to 7) are alike: all zero as this library sends them, or all one as shipped
-    ///   firmware does;
-    /// - each displacement that is zero or of a magnitude from 1.1e-19 to 3.6e19. The topmost byte of such a float, but
-    ///   for zero's, can't be STAT: so the readings hardly ever get the same rating;
-    /// - twice as much, each that is unknown: the NaN of shipped firmware, 0x7F800001, or that of most processors,
-    ///   0x7FC00000, with either sign.
+    /// in them: STAT, when its reserved bits (5 to 7) are alike, all zero as this library sends them or all one as
+    /// shipped firmware does; each displacement that is zero or of a magnitude from 1.1e-19 to 3.6e19, as the topmost
+    /// byte of such a float, but for zero's, can't be STAT; and twice as much, each that is unknown, the NaN of shipped
+    /// firmware, 0x7F800001, or that of most processors, 0x7FC00000, with either sign.
     ///
     /// The better reading is taken; of equal ones, [`Firmware`](Self::Firmware)'s, since nobody is known to send the
     /// other. A session, which has a [`SeenLayout`], takes the layout of the last report that was clear (of 14 bytes or
