@@ -5,7 +5,7 @@ use core::ffi::c_int;
 use deltarobot_protocols::bytes::{Wrapped, copy_into_ring, wrap};
 use deltarobot_protocols::deltarobot::{FRAME_HEAD, FRAME_OVERHEAD, Opcode, Verdict, judge_head, judge_tail};
 
-use crate::memory::int;
+use crate::memory::{int, zero};
 
 /// A ring buffer for bytes from the wire. Its fields are never trusted: when one is out of range, it counts as empty.
 #[derive(Clone, Debug)]
@@ -25,12 +25,8 @@ pub(crate) struct Overflow;
 impl<const SIZE: usize> Ring<SIZE> {
     /// Makes it all zero, whatever it was.
     pub(crate) fn clear(&mut self) {
-        for byte in &mut self.bytes {
-            // Volatile, or the loop would become a call of memset.
-            // SAFETY: a reference.
-            unsafe { (&raw mut *byte).write_volatile(0) };
-        }
-        (self.start, self.used) = (0, 0);
+        // SAFETY: a reference; zero is a value of each field.
+        unsafe { zero(self) };
     }
 
     /// Makes a ring whose fields are out of range an empty one.

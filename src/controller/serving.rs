@@ -67,7 +67,14 @@ impl Served {
         if self.with(|state| state.controller.is_active()) {
             let now = self.status();
             if let Some(end) = self.with(|state| state.controller.ended(&now)) {
-                self.report_end(end);
+                let is_asked_for = self.with(|state| match end {
+                    Some(Opcode::GENERAL_ERR) => state.reports_error != 0,
+                    _ => state.reports_end != 0,
+                });
+                if let Some(end) = end.filter(|_| is_asked_for) {
+                    self.send(end, &[]);
+                }
+                self.report();
                 return true;
             }
         }
@@ -113,17 +120,6 @@ impl Served {
             Decision::Accept => true,
             Decision::Report | Decision::Refuse | Decision::RefuseOnly => false,
         }
-    }
-
-    fn report_end(self, end: Option<Opcode>) {
-        let is_asked_for = self.with(|state| match end {
-            Some(Opcode::GENERAL_ERR) => state.reports_error != 0,
-            _ => state.reports_end != 0,
-        });
-        if let Some(end) = end.filter(|_| is_asked_for) {
-            self.send(end, &[]);
-        }
-        self.report();
     }
 
     /// Asks the firmware for the status.

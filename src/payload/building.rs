@@ -23,7 +23,7 @@ use deltarobot_protocols::deltarobot::{Layout, Message, Opcode, PAYLOAD_MAX};
 #[export(dp)]
 pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto), Layout::Auto) }
+    unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto).as_ref(), Layout::Auto) }
 }
 
 /// Builds an acknowledgement of the request with the opcode answered, which is not checked.
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_i
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { build(msg, Some(Message::Ack(Opcode(answered))), Layout::Auto) }
+    unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
 }
 
 /// Builds a refusal likewise, and returns the same.
@@ -51,7 +51,7 @@ pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) 
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { build(msg, Some(Message::Nack(Opcode(answered))), Layout::Auto) }
+    unsafe { build(msg, Some(&Message::Nack(Opcode(answered))), Layout::Auto) }
 }
 
 /// Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
@@ -66,8 +66,10 @@ pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar)
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_build_move(msg: *mut ProtocolMsg, target: *const Position) -> c_int {
-    // SAFETY: each is NULL or the caller's whole object.
-    unsafe { build(msg, position_from(target).map(Message::Move), Layout::Auto) }
+    // SAFETY: NULL or the caller's whole object.
+    let Some(target) = (unsafe { position_from(target) }) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { build(msg, Some(&Message::Move(target)), Layout::Auto) }
 }
 
 /// Builds a status report in a layout, `DP_LAYOUT_*`. Floats are copied bit by bit, reserved bits of STAT cleared.
@@ -86,9 +88,12 @@ pub unsafe extern "C" fn dp_build_status_report(
     report: *const StatusReport,
     layout: c_int,
 ) -> c_int {
-    let Some(layout) = layout_of(layout) else { return DP_RC_ERROR_GENERIC };
-    // SAFETY: each is NULL or the caller's whole object.
-    unsafe { build(msg, report_from(report).map(Message::StatusReport), layout) }
+    // SAFETY: NULL or the caller's whole object.
+    let (Some(report), Some(layout)) = (unsafe { report_from(report) }, layout_of(layout)) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    // SAFETY: NULL or the caller's whole object.
+    unsafe { build(msg, Some(&Message::StatusReport(report)), layout) }
 }
 
 /// Fills in a message; leaves it alone when there is none to write or it does not fit.
@@ -96,7 +101,7 @@ pub unsafe extern "C" fn dp_build_status_report(
 /// # Safety
 ///
 /// msg is NULL or points to a whole object of the caller's.
-unsafe fn build(msg: *mut ProtocolMsg, message: Option<Message>, layout: Layout) -> c_int {
+unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout) -> c_int {
     let (Some(message), false) = (message, msg.is_null()) else { return DP_RC_ERROR_GENERIC };
     let mut payload = [0; PAYLOAD_MAX];
     let length = message.write(layout, &mut payload);

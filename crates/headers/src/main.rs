@@ -119,7 +119,7 @@ impl Header {
             style: if self.is_posted() { cbindgen::Style::Type } else { cbindgen::Style::Tag },
             documentation_style: cbindgen::DocumentationStyle::Doxy,
             no_includes: true,
-            line_length: 110,
+            line_length: usize::MAX,
             ..cbindgen::Config::default()
         };
         for header in all {
