@@ -1,5 +1,4 @@
-//! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: takes requests, has them carried out,
-//! answers them.
+//! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: has requests carried out and answered.
 
 use core::ffi::{c_int, c_void};
 use core::mem::MaybeUninit;
@@ -63,7 +62,7 @@ pub type CancelFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
 /// ```
 pub type ReadFunc = Option<unsafe extern "C" fn(report: *mut StatusReport, usr: *mut c_void)>;
 
-/// The firmware's own functions. `read` and `send` are needed; what another one would do is refused where it is NULL.
+/// The firmware's own functions. `read` and `send` are needed; what one that is NULL would do is refused.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Calls {
@@ -152,10 +151,10 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
     }
 }
 
-/// Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+/// Does one thing, in the firmware's main loop: reports the end of the operation, or answers one request.
 ///
-/// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
-/// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+/// NULL or was not made by `dp_controller_init`.
 ///
 /// ```c
 /// while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
@@ -167,8 +166,8 @@ pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_in
     unsafe { poll(controller, false) }
 }
 
-/// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
-/// be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
+/// `dp_controller_poll` when the line has been quiet for longer than a frame takes: gives up what is incomplete, as
+/// `dp_recv_idle` does.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 10)
@@ -180,9 +179,8 @@ pub unsafe extern "C" fn dp_controller_poll_idle(controller: *mut Controller) ->
     unsafe { poll(controller, true) }
 }
 
-/// Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+/// Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
+/// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
 ///
 /// ```c
 /// if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())

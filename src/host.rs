@@ -48,14 +48,13 @@ pub const DP_RC_NO_EVENT: c_int = 6;
 /// Room for what is to be sent at a time: three requests.
 pub const DP_HOST_OUTPUT_MAX: c_int = 27;
 
-/// Settings of a session, times in milliseconds, at most 2147483647 (24 days). 0 stands for the default everywhere.
+/// Settings of a session, times in milliseconds up to 2147483647 (24 days). 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
 pub struct HostSettings {
     /// How long an answer is waited for before the request is retransmitted; by default 250.
     pub ack_ms: c_ulong,
-    /// The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
-    /// comes sooner is not taken for the answer to a later request. By default 500.
+    /// The longest time from a request to its answer, which until then answers no later request; by default 500.
     pub guard_ms: c_ulong,
     /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
     /// other state before it, does not end the operation. Not below guard; by default 500.
@@ -68,7 +67,7 @@ pub struct HostSettings {
     pub operation_ms: c_ulong,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: c_ulong,
-    /// How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice what firmware allows.
+    /// How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: c_int,
@@ -262,8 +261,7 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
 
-/// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
-/// To be called after `dp_host_poll`.
+/// Fetches what is to be sent after `dp_host_poll`: whole frames, `DP_HOST_OUTPUT_MAX` bytes at most, sent at `now_ms`.
 ///
 /// Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
 /// -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
@@ -279,14 +277,12 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
     // SAFETY: NULL or the caller's whole object.
     let Some(session) = (unsafe { Host::get(host) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
     // SAFETY: NULL or so many writable bytes of the caller's, apart from the session.
-    let written = unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) };
-    written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
+    unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) }
+        .unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
-/// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
-/// the output was fetched.
-///
-/// Returns milliseconds, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
+/// Returns for how many milliseconds `dp_host_poll` has nothing to do if nothing is received or requested, when events
+/// and output were fetched, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
 ///
 /// ```c
 /// wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));

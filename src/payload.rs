@@ -27,11 +27,9 @@ pub const DP_MSG_TEXT_MAX: c_int = 96;
 
 const _: () = assert!(DP_MSG_TEXT_MAX as usize == TEXT_MAX);
 
-/// Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
-/// `GENERAL_ERR`.
+/// Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL`, `GENERAL_ERR`.
 ///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
-/// left as it was.
+/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` and leaves msg alone when it is NULL or opcode none of these.
 ///
 /// ```c
 /// struct protocol_msg msg;
@@ -44,9 +42,8 @@ pub unsafe extern "C" fn dp_build(msg: *mut ProtocolMsg, opcode: c_uchar) -> c_i
     unsafe { build(msg, Message::read(Opcode(opcode), &[], Layout::Auto).as_ref(), Layout::Auto) }
 }
 
-/// Builds an acknowledgement of the request with the opcode answered, which is not checked.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+/// Builds an acknowledgement of the request with the opcode answered, which is not checked. Returns `DP_RC_SUCCESS`, or
+/// `DP_RC_ERROR_GENERIC` when msg is NULL.
 ///
 /// ```c
 /// struct protocol_msg answer;
@@ -72,10 +69,8 @@ pub unsafe extern "C" fn dp_build_nack(msg: *mut ProtocolMsg, answered: c_uchar)
     unsafe { build(msg, Some(&Message::Nack(Opcode(answered))), Layout::Auto) }
 }
 
-/// Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
-/// left as it was.
+/// Builds a request to move to a position. Its floats are copied bit by bit, NaNs too. Returns `DP_RC_SUCCESS`, or
+/// `DP_RC_ERROR_GENERIC` and leaves msg alone when a pointer is NULL or `DP_DATA_MAX_SIZE` below 12.
 ///
 /// ```c
 /// const struct protocol_msg_position target = {1, 2, -3.5f};
@@ -139,9 +134,8 @@ unsafe fn build(msg: *mut ProtocolMsg, message: Option<&Message>, layout: Layout
     DP_RC_SUCCESS
 }
 
-/// Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
+/// Whether a message is one of the specification's, with a known opcode and a payload of its length. Returns
+/// `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
 ///
 /// ```c
 /// while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
@@ -233,10 +227,8 @@ unsafe fn read(msg: *const ProtocolMsg, layout: Layout) -> Option<Message> {
     unsafe { Message::read(Opcode((*msg).opcode), payload_of(msg)?, layout) }
 }
 
-/// The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
-/// `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`. Can be called at any time.
-///
-/// Returns a string that lives as long as the program.
+/// Returns the name of an opcode for logs, a string that lives as long as the program: `ACK`, `NACK`, `HOMING!`,
+/// `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR` or `UNKNOWN_OPCODE`.
 ///
 /// ```c
 /// printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);

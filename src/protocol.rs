@@ -48,8 +48,7 @@ pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
 
 /// A ring buffer for bytes from the wire; all zero is an empty one.
 ///
-/// The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
-/// empty, so an uninitialised one does no harm.
+/// The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised even, is empty.
 #[derive(Debug)]
 #[repr(C)]
 pub struct ProtocolData {
@@ -126,8 +125,8 @@ pub struct Position {
     pub DC: c_float,
 }
 
-/// Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
-/// The frame may be changed, and is gone when the function returns.
+/// Writes a whole frame of bytes bytes somewhere, which it may change and is gone when it returns; usr is what `dp_send`
+/// was given, which returns its result.
 ///
 /// ```c
 /// int uart_send(void *buf, int bytes, void *usr)

@@ -7,8 +7,7 @@ use super::memory::{bytes_of, int};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
 
-/// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
-/// The message is gone when the function returns.
+/// Receives a message, which is gone when it returns, and usr from `dp_process_each`. Any result but 0 stops that.
 ///
 /// ```c
 /// int on_msg(const struct protocol_msg *msg, void *usr)
@@ -66,11 +65,9 @@ pub unsafe extern "C" fn dp_process_each(
     }
 }
 
-/// Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at 115200 baud
-/// one of 37 bytes takes 3.2 ms).
-///
-/// What is incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands
-/// behind it delivered; `dp_recv` would wait until enough bytes have come.
+/// `dp_recv` when the line has been quiet for longer than a frame takes (37 bytes at 115200 baud: 3.2 ms): what is
+/// incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands behind
+/// it delivered.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
 /// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL; sets `opcode` as
@@ -87,9 +84,8 @@ pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut Protoco
     unsafe { next_message(data, msg, true) }
 }
 
-/// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
+/// Makes an empty ring of any memory, as setting it to zero does; the library's safety never needs that. Returns
+/// `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
 ///
 /// ```c
 /// struct protocol_data ring;
@@ -103,9 +99,8 @@ pub unsafe extern "C" fn dp_init(data: *mut ProtocolData) -> c_int {
     DP_RC_SUCCESS
 }
 
-/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
-///
-/// Returns a string that lives as long as the program.
+/// Returns the library's version, e.g. "1.0.0", a string that lives as long as the program: compare it with the
+/// header's, `DP_VERSION_STRING`.
 ///
 /// ```c
 /// if (strcmp(dp_version(), DP_VERSION_STRING) != 0)

@@ -49,11 +49,9 @@ state!(Serial: Port);
 pub struct Settings {
     /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
     pub baud: c_ulong,
-    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored
-    /// where there is no such line, as in a pseudo-terminal.
-    ///
-    /// Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
-    /// that shall not be reset has to be closed with `keep_lines` the time before.
+    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, on. Ignored where there is
+    /// no such line. Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to
+    /// off: a board that shall not be reset has to be closed with `keep_lines` the time before.
     pub dtr: c_int,
     /// RTS after opening, likewise. Both change at once.
     pub rts: c_int,
@@ -134,8 +132,7 @@ pub unsafe extern "C" fn dp_serial_read(
     }
 }
 
-/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't
-/// end it.
+/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds in all, for ever if negative, signals or not.
 ///
 /// Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
 /// has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
@@ -178,7 +175,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
     }
 }
 
-/// Waits until all that was written was sent, however long that takes. Signals don't end it.
+/// Waits until all that was written was sent, however long that takes, signals or not.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
 /// NULL or closed.

@@ -1,7 +1,6 @@
 /**
  * @file
- * libdeltarobot/controller.h: the controller's end of the link, for firmware: takes requests, has them carried out,
- * answers them.
+ * libdeltarobot/controller.h: the controller's end of the link, for firmware: has requests carried out and answered.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/controller.rs by `make header`.
@@ -90,9 +89,7 @@ typedef int (*dp_controller_cancel_func_t)(void *usr);
  */
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
-/**
- * The firmware's own functions. `read` and `send` are needed; what another one would do is refused where it is NULL.
- */
+/** The firmware's own functions. `read` and `send` are needed; what one that is NULL would do is refused. */
 struct dp_controller_calls {
   /** Begins to home. */
   dp_controller_home_func_t home;
@@ -143,10 +140,10 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
     DP_SIZED("dp_controller_receive");
 
 /**
- * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+ * Does one thing, in the firmware's main loop: reports the end of the operation, or answers one request.
  *
- * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
- * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+ * NULL or was not made by `dp_controller_init`.
  *
  * ```c
  * while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
@@ -156,8 +153,8 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
 int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller_poll");
 
 /**
- * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
- * be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
+ * `dp_controller_poll` when the line has been quiet for longer than a frame takes: gives up what is incomplete, as
+ * `dp_recv_idle` does.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)
@@ -167,9 +164,8 @@ int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller
 int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED("dp_controller_poll_idle");
 
 /**
- * Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ * Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
  *
  * ```c
  * if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())

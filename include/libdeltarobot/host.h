@@ -92,16 +92,11 @@ struct dp_host {
   unsigned long opaque[DP_HOST_WORDS];
 };
 
-/**
- * Settings of a session, times in milliseconds, at most 2147483647 (24 days). 0 stands for the default everywhere.
- */
+/** Settings of a session, times in milliseconds up to 2147483647 (24 days). 0 stands for the default everywhere. */
 struct dp_host_settings {
   /** How long an answer is waited for before the request is retransmitted; by default 250. */
   unsigned long ack_ms;
-  /**
-   * The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
-   * comes sooner is not taken for the answer to a later request. By default 500.
-   */
+  /** The longest time from a request to its answer, which until then answers no later request; by default 500. */
   unsigned long guard_ms;
   /**
    * How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
@@ -116,9 +111,7 @@ struct dp_host_settings {
   unsigned long operation_ms;
   /** An incomplete frame is given up when the line was quiet for this long; by default 50. */
   unsigned long gap_ms;
-  /**
-   * How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice what firmware allows.
-   */
+  /** How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's. */
   float tolerance;
   /** How often a request is sent altogether before it has timed out, 1 to 255; by default 4. */
   int attempts;
@@ -269,8 +262,7 @@ int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned l
 int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED("dp_host_poll");
 
 /**
- * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
- * To be called after `dp_host_poll`.
+ * Fetches what is to be sent after `dp_host_poll`: whole frames, `DP_HOST_OUTPUT_MAX` bytes at most, sent at `now_ms`.
  *
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
  * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
@@ -285,10 +277,8 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
 int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED("dp_host_output");
 
 /**
- * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
- * the output was fetched.
- *
- * Returns milliseconds, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
+ * Returns for how many milliseconds `dp_host_poll` has nothing to do if nothing is received or requested, when events
+ * and output were fetched, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
  *
  * ```c
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));

@@ -48,11 +48,9 @@ extern "C" {
 #define DP_MSG_TEXT_MAX 96
 
 /**
- * Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
- * `GENERAL_ERR`.
+ * Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL`, `GENERAL_ERR`.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
- * left as it was.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` and leaves msg alone when it is NULL or opcode none of these.
  *
  * ```c
  * struct protocol_msg msg;
@@ -63,9 +61,8 @@ extern "C" {
 int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build");
 
 /**
- * Builds an acknowledgement of the request with the opcode answered, which is not checked.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ * Builds an acknowledgement of the request with the opcode answered, which is not checked. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
  * ```c
  * struct protocol_msg answer;
@@ -87,10 +84,8 @@ int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
 /**
- * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
- * left as it was.
+ * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` and leaves msg alone when a pointer is NULL or `DP_DATA_MAX_SIZE` below 12.
  *
  * ```c
  * const struct protocol_msg_position target = {1, 2, -3.5f};
@@ -116,9 +111,8 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
     DP_SIZED("dp_build_status_report");
 
 /**
- * Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
+ * Whether a message is one of the specification's, with a known opcode and a payload of its length. Returns
+ * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
  *
  * ```c
  * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
@@ -171,10 +165,8 @@ int dp_read_status_report(const struct protocol_msg *msg, int layout, struct pro
     DP_SIZED("dp_read_status_report");
 
 /**
- * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
- * `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`. Can be called at any time.
- *
- * Returns a string that lives as long as the program.
+ * Returns the name of an opcode for logs, a string that lives as long as the program: `ACK`, `NACK`, `HOMING!`,
+ * `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR` or `UNKNOWN_OPCODE`.
  *
  * ```c
  * printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
