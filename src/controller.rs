@@ -163,7 +163,7 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
 #[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_int {
     // SAFETY: NULL or the caller's whole object, made by dp_controller_init or all zero.
-    unsafe { poll(controller, false) }
+    poll(unsafe { Served::new(controller) }, false)
 }
 
 /// `dp_controller_poll` when the line has been quiet for longer than a frame takes: gives up what is incomplete, as
@@ -176,7 +176,7 @@ pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_in
 #[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll_idle(controller: *mut Controller) -> c_int {
     // SAFETY: NULL or the caller's whole object, made by dp_controller_init or all zero.
-    unsafe { poll(controller, true) }
+    poll(unsafe { Served::new(controller) }, true)
 }
 
 /// Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
@@ -194,12 +194,8 @@ pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_
     DP_RC_SUCCESS
 }
 
-/// # Safety
-///
-/// As for [`Served::new`].
-unsafe fn poll(controller: *mut Controller, idle: bool) -> c_int {
-    // SAFETY: the same contract.
-    match unsafe { Served::new(controller) }.map(|served| served.act(idle)) {
+fn poll(served: Option<Served>, idle: bool) -> c_int {
+    match served.map(|served| served.act(idle)) {
         Some(true) => DP_RC_SUCCESS,
         Some(false) => DP_RC_NO_FRAME,
         None => DP_RC_ERROR_GENERIC,

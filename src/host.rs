@@ -165,7 +165,7 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const HostSett
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::home) }
+    request(unsafe { Host::get(host) }, Session::home)
 }
 
 /// Requests a move to a position. The end comes as an event.
@@ -184,7 +184,7 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
     let target = unsafe { position_from(target) };
     match target.filter(|target| POSITION_SIZE <= DP_DATA_MAX_SIZE && target.is_finite()) {
         // SAFETY: NULL or the caller's whole object.
-        Some(target) => unsafe { request(host, |session| session.move_to(target)) },
+        Some(target) => request(unsafe { Host::get(host) }, |session| session.move_to(target)),
         None => DP_RC_ERROR_GENERIC,
     }
 }
@@ -201,7 +201,7 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::cancel) }
+    request(unsafe { Host::get(host) }, Session::cancel)
 }
 
 /// Requests a status report. It ends with the next report that is received.
@@ -215,7 +215,7 @@ pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::status) }
+    request(unsafe { Host::get(host) }, Session::status)
 }
 
 /// Takes received bytes; `now_ms` is when they came.
@@ -337,12 +337,10 @@ pub unsafe extern "C" fn dp_host_get_health(host: *const Host, health: *mut Host
     DP_RC_SUCCESS
 }
 
-/// # Safety
-///
-/// host is NULL or points to a whole object, which nobody else touches.
-unsafe fn request(host: *mut Host, begin: impl FnOnce(&mut <Host as Room>::State) -> Result<(), Busy>) -> c_int {
-    // SAFETY: the same contract.
-    match unsafe { Host::get(host) }.map(begin) {
+type State = <Host as Room>::State;
+
+fn request(session: Option<&mut State>, begin: impl FnOnce(&mut State) -> Result<(), Busy>) -> c_int {
+    match session.map(begin) {
         Some(Ok(())) => DP_RC_SUCCESS,
         Some(Err(Busy)) => DP_RC_BUSY,
         None => DP_RC_ERROR_GENERIC,

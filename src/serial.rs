@@ -188,7 +188,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 #[export]
 pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { run(serial, system::drain) }
+    run(unsafe { opened(serial) }, system::drain)
 }
 
 /// Discards what was received and not read. Returns what `dp_serial_drain` does.
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { run(serial, system::discard) }
+    run(unsafe { opened(serial) }, system::discard)
 }
 
 /// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
@@ -216,7 +216,7 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { run(serial, |handle| system::set_line(handle, system::DTR, on > 0)) }
+    run(unsafe { opened(serial) }, |handle| system::set_line(handle, system::DTR, on > 0))
 }
 
 /// Sets RTS, as `dp_serial_set_dtr` sets DTR.
@@ -227,7 +227,7 @@ pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_
 #[export]
 pub unsafe extern "C" fn dp_serial_set_rts(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { run(serial, |handle| system::set_line(handle, system::RTS, on > 0)) }
+    run(unsafe { opened(serial) }, |handle| system::set_line(handle, system::RTS, on > 0))
 }
 
 /// Returns the file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2), in Windows the `HANDLE` as an
@@ -279,12 +279,8 @@ unsafe fn opened<'a>(serial: *mut Serial) -> Option<&'a mut Port> {
     unsafe { Serial::get(serial) }.filter(|port| port.handle().is_some())
 }
 
-/// # Safety
-///
-/// As for `dp_serial_read`.
-unsafe fn run(serial: *mut Serial, operation: impl FnOnce(c_int) -> Result<(), Cause>) -> c_int {
-    // SAFETY: the same contract.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.run(operation)))
+fn run(port: Option<&mut Port>, operation: impl FnOnce(c_int) -> Result<(), Cause>) -> c_int {
+    port.map_or(DP_RC_ERROR_GENERIC, |port| code(port.run(operation)))
 }
 
 fn code(result: Result<(), Failed>) -> c_int {

@@ -32,15 +32,8 @@ const BINARY: u32 = 1;
 const DTR_ON: u32 = 1 << 4;
 const RTS_ON: u32 = 1 << 12;
 
-/// `COMMTIMEOUTS`, in milliseconds.
-#[repr(C)]
-struct Timeouts {
-    between_bytes: u32,
-    read_per_byte: u32,
-    read: u32,
-    write_per_byte: u32,
-    write: u32,
-}
+/// `COMMTIMEOUTS`, in milliseconds: between bytes, of a read for each byte and in all, and of a write likewise.
+type Timeouts = [u32; 5];
 
 /// `HANDLE`
 type Handle = *mut c_void;
@@ -245,7 +238,7 @@ pub(crate) fn write(handle: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<u
 
 /// Sets how long each byte and all of a read, and a write may take.
 fn set_timeouts(handle: c_int, [read_per_byte, read]: [u32; 2], write: u32) -> Result<(), Cause> {
-    let timeouts = Timeouts { between_bytes: u32::MAX, read_per_byte, read, write_per_byte: 0, write };
+    let timeouts = [u32::MAX, read_per_byte, read, 0, write];
     // SAFETY: it reads one COMMTIMEOUTS.
     success(unsafe { SetCommTimeouts(file(handle), &raw const timeouts) }).map_err(cause_of)
 }

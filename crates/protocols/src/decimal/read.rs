@@ -29,13 +29,7 @@ pub fn read_float<T: Iterator<Item = u8> + Clone>(text: T) -> Option<(Option<u32
     if count == 0 {
         return None;
     }
-    let exponent = match exponent(rest.clone()) {
-        Some((exponent, behind)) => {
-            rest = behind;
-            exponent
-        }
-        None => 0,
-    };
+    let (exponent, rest) = exponent(rest.clone()).unwrap_or((0, rest));
 
     let digits =
         text.filter(|byte| *byte != b'.').map(|byte| byte.wrapping_sub(b'0')).take(count.unsigned_abs() as usize);

@@ -20,11 +20,8 @@ pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
         0xFF00_0001.. => b"nan",
         _ => b"",
     };
-    for byte in special {
-        put(*byte);
-    }
     if !special.is_empty() {
-        return;
+        return special.iter().for_each(|byte| put(*byte));
     }
     let mut room = zeros();
     let mut digits = Digits::zero(&mut room);
