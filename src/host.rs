@@ -224,9 +224,8 @@ pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
 /// -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; handle_events(&host))
-///     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+/// for (int taken = 0; taken < length; handle_events(&host))
+///     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
@@ -267,7 +266,6 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 /// -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// char out[DP_HOST_OUTPUT_MAX];
 /// int length = dp_host_output(&host, out, sizeof out, now_ms());
 /// if (length > 0)
 ///     uart_write(&uart, out, length);

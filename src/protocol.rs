@@ -260,7 +260,6 @@ pub(crate) unsafe fn deliver(
 /// is outside 0 to `DP_DATA_MAX_SIZE`.
 ///
 /// ```c
-/// struct protocol_msg msg;
 /// msg.opcode = DP_OPCODE_HOMING;
 /// msg.data_s = 0;
 /// dp_send(&msg, uart_send, &uart);

@@ -238,9 +238,8 @@ int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
  * -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_events(&host))
- *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+ * for (int taken = 0; taken < length; handle_events(&host))
+ *     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
  * ```
  */
 int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED("dp_host_receive");
@@ -268,7 +267,6 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
  * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * char out[DP_HOST_OUTPUT_MAX];
  * int length = dp_host_output(&host, out, sizeof out, now_ms());
  * if (length > 0)
  *     uart_write(&uart, out, length);

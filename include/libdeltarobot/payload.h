@@ -53,7 +53,6 @@ extern "C" {
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` and leaves msg alone when it is NULL or opcode none of these.
  *
  * ```c
- * struct protocol_msg msg;
  * if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
  *     dp_send(&msg, uart_send, &uart);
  * ```

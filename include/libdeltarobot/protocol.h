@@ -192,7 +192,6 @@ int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_r
  * is outside 0 to `DP_DATA_MAX_SIZE`.
  *
  * ```c
- * struct protocol_msg msg;
  * msg.opcode = DP_OPCODE_HOMING;
  * msg.data_s = 0;
  * dp_send(&msg, uart_send, &uart);

@@ -77,7 +77,6 @@ struct dp_serial_settings {
  * is NULL. Unless it succeeded, the port is closed.
  *
  * ```c
- * struct dp_serial port;
  * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```

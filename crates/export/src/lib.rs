@@ -31,7 +31,8 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
         return Err("a function without a name");
     };
     let is_unsafe = head.iter().any(|token| is_word(token, "unsafe"));
-    let (attributes, qualifiers) = head.split_at(attributes_end(head));
+    let visibility = head.iter().position(|token| is_word(token, "pub")).ok_or("not public")?;
+    let (attributes, qualifiers) = head.split_at(visibility);
 
     let mut output: TokenStream = attributes.iter().cloned().collect();
     let safety = if is_unsafe { format!("#[doc = {SAFETY:?}]") } else { String::new() };
@@ -51,12 +52,6 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
         output.extend(parse(";")?);
     }
     Ok(output)
-}
-
-/// How many tokens in front of a function are attributes: pairs of `#` and brackets.
-fn attributes_end(head: &[TokenTree]) -> usize {
-    let is_attribute = |pair: &[TokenTree]| matches!(pair, [TokenTree::Punct(hash), _] if hash.as_char() == '#');
-    head.chunks(2).take_while(|pair| is_attribute(pair)).map(<[_]>::len).sum()
 }
 
 fn parse(text: &str) -> Result<TokenStream, &'static str> {
