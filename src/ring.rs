@@ -115,12 +115,18 @@ mod tests {
     use deltarobot_protocols::deltarobot::{Verdict, judge};
 
     /// A ring as a list of bytes, and the grammar applied to it.
+    #[derive(Debug, PartialEq)]
     struct Model {
         unread: Vec<u8>,
         start: usize,
     }
 
     impl Model {
+        fn of<const SIZE: usize>(ring: &Ring<SIZE>) -> Self {
+            let (start, used) = (ring.start as u32 as usize, ring.used as u32 as usize);
+            let (start, used) = if start < SIZE && used <= SIZE { (start, used) } else { (0, 0) };
+            Self { unread: ring.bytes.iter().cycle().skip(start).take(used).copied().collect(), start }
+        }
         fn append(&mut self, input: &[u8], size: usize) -> Result<(), Overflow> {
             let fits = self.unread.len() + input.len() <= size;
             self.unread.extend_from_slice(&input[..input.len().min(size)]);
@@ -179,25 +185,17 @@ mod tests {
         let mut ring = Ring { bytes: [0x24; SIZE], start: 0, used: 0 };
         let mut model = Model { unread: Vec::new(), start: 0 };
         for step in steps {
-            match step {
-                Step::Append(input) => assert_eq!(ring.append(input), model.append(input, SIZE)),
-                Step::Next(idle) => {
-                    assert_eq!(next(&mut ring, longest, *idle), model.next(longest, *idle, SIZE));
-                }
+            match *step {
+                Step::Append(ref input) => assert_eq!(ring.append(input), model.append(input, SIZE)),
+                Step::Next(idle) => assert_eq!(next(&mut ring, longest, idle), model.next(longest, idle, SIZE)),
                 Step::Spoil(start, used) => {
-                    (ring.start, ring.used) = (*start, *used);
-                    let (start, used) = (*start as u32 as usize, *used as u32 as usize);
-                    let is_sound = start < SIZE && used <= SIZE;
-                    let (start, used) = if is_sound { (start, used) } else { (0, 0) };
-                    model.start = start;
-                    model.unread = ring.bytes.iter().cycle().skip(start).take(used).copied().collect();
+                    (ring.start, ring.used) = (start, used);
+                    model = Model::of(&ring);
                     continue;
                 }
             }
             assert_eq!((ring.start as usize, ring.used as usize), (model.start, model.unread.len()));
-            let unread: Vec<u8> =
-                ring.bytes.iter().cycle().skip(model.start).take(model.unread.len()).copied().collect();
-            assert_eq!(unread, model.unread);
+            assert_eq!(Model::of(&ring), model);
         }
     }
 
