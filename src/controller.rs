@@ -166,8 +166,8 @@ pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_in
     poll(unsafe { Served::new(controller) }, false)
 }
 
-/// `dp_controller_poll` when the line has been quiet for longer than a frame takes: gives up what is incomplete, as
-/// `dp_recv_idle` does.
+/// Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
+/// up, as by `dp_recv_idle`.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 10)

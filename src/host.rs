@@ -54,7 +54,8 @@ pub const DP_HOST_OUTPUT_MAX: c_int = 27;
 pub struct HostSettings {
     /// How long an answer is waited for before the request is retransmitted; by default 250.
     pub ack_ms: c_ulong,
-    /// The longest time from a request to its answer, which until then answers no later request; by default 500.
+    /// The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
+    /// comes sooner is not taken for the answer to a later request. By default 500.
     pub guard_ms: c_ulong,
     /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
     /// other state before it, does not end the operation. Not below guard; by default 500.
@@ -279,8 +280,8 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
         .unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
-/// Returns for how many milliseconds `dp_host_poll` has nothing to do if nothing is received or requested, when events
-/// and output were fetched, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
+/// Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
+/// them: -1 when not at all, or host is NULL. Ask when events and output were fetched.
 ///
 /// ```c
 /// wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));

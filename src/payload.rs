@@ -55,7 +55,7 @@ pub unsafe extern "C" fn dp_build_ack(msg: *mut ProtocolMsg, answered: c_uchar) 
     unsafe { build(msg, Some(&Message::Ack(Opcode(answered))), Layout::Auto) }
 }
 
-/// Builds a refusal likewise, and returns the same.
+/// Builds a refusal, as `dp_build_ack` builds an acknowledgement.
 ///
 /// ```c
 /// struct protocol_msg answer;
@@ -147,9 +147,8 @@ pub unsafe extern "C" fn dp_msg_check(msg: *const ProtocolMsg) -> c_int {
     if unsafe { read(msg, Layout::Auto) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }
 
-/// Reads from an ack or a nack which opcode it answers.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is no such, or a pointer NULL.
+/// Reads from an ack or a nack which opcode it answers. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left
+/// as it was, when msg is neither or not 1 byte long, or a pointer is NULL.
 ///
 /// ```c
 /// unsigned char answered;
@@ -166,9 +165,8 @@ pub unsafe extern "C" fn dp_read_answer(msg: *const ProtocolMsg, answered: *mut 
     DP_RC_SUCCESS
 }
 
-/// Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such, or a pointer NULL.
+/// Reads from a request to move where to; the floats, copied bit by bit, may be NaNs. Returns `DP_RC_SUCCESS`, or
+/// `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a pointer is NULL.
 ///
 /// ```c
 /// struct protocol_msg_position target;

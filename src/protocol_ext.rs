@@ -7,7 +7,7 @@ use super::memory::{bytes_of, int};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
 
-/// Receives a message, which is gone when it returns, and usr from `dp_process_each`. Any result but 0 stops that.
+/// Receives a message from `dp_process_each`, gone when this returns, and that one's usr. Any result but 0 stops it.
 ///
 /// ```c
 /// int on_msg(const struct protocol_msg *msg, void *usr)
@@ -65,9 +65,9 @@ pub unsafe extern "C" fn dp_process_each(
     }
 }
 
-/// `dp_recv` when the line has been quiet for longer than a frame takes (37 bytes at 115200 baud: 3.2 ms): what is
-/// incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands behind
-/// it delivered.
+/// Like `dp_recv`, for a line that has been quiet for longer than a frame takes (37 bytes at 115200 baud: 3.2 ms): what
+/// is incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands
+/// behind it delivered.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
 /// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL; sets `opcode` as

@@ -153,8 +153,8 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
 int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller_poll");
 
 /**
- * `dp_controller_poll` when the line has been quiet for longer than a frame takes: gives up what is incomplete, as
- * `dp_recv_idle` does.
+ * Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
+ * up, as by `dp_recv_idle`.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)

@@ -96,7 +96,10 @@ struct dp_host {
 struct dp_host_settings {
   /** How long an answer is waited for before the request is retransmitted; by default 250. */
   unsigned long ack_ms;
-  /** The longest time from a request to its answer, which until then answers no later request; by default 500. */
+  /**
+   * The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
+   * comes sooner is not taken for the answer to a later request. By default 500.
+   */
   unsigned long guard_ms;
   /**
    * How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
@@ -275,8 +278,8 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
 int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED("dp_host_output");
 
 /**
- * Returns for how many milliseconds `dp_host_poll` has nothing to do if nothing is received or requested, when events
- * and output were fetched, as poll(2) takes them: -1 when it need not be called at all or host is NULL.
+ * Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
+ * them: -1 when not at all, or host is NULL. Ask when events and output were fetched.
  *
  * ```c
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));

@@ -72,7 +72,7 @@ int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build"
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
 /**
- * Builds a refusal likewise, and returns the same.
+ * Builds a refusal, as `dp_build_ack` builds an acknowledgement.
  *
  * ```c
  * struct protocol_msg answer;
@@ -122,9 +122,8 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
 int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 
 /**
- * Reads from an ack or a nack which opcode it answers.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is no such, or a pointer NULL.
+ * Reads from an ack or a nack which opcode it answers. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left
+ * as it was, when msg is neither or not 1 byte long, or a pointer is NULL.
  *
  * ```c
  * unsigned char answered;
@@ -135,9 +134,8 @@ int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED("dp_read_answer");
 
 /**
- * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such, or a pointer NULL.
+ * Reads from a request to move where to; the floats, copied bit by bit, may be NaNs. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a pointer is NULL.
  *
  * ```c
  * struct protocol_msg_position target;

@@ -117,8 +117,8 @@ struct protocol_msg {
 };
 
 /**
- * Writes a whole frame of bytes bytes somewhere, which it may change and is gone when it returns; usr is what `dp_send`
- * was given, which returns its result.
+ * Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
+ * The frame may be changed, and is gone when the function returns.
  *
  * ```c
  * int uart_send(void *buf, int bytes, void *usr)
@@ -154,8 +154,8 @@ struct protocol_msg_position {
 /**
  * Adds received bytes at the ring's end.
  *
- * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes that many are taken, the first. An
- * interrupt that may come during another call on the ring puts them into a queue of the program's own.
+ * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
+ * An interrupt that may come during another call on the ring puts them into a queue of the program's own.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
