@@ -48,7 +48,7 @@ pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
 
 /// A ring buffer for bytes from the wire; all zero is an empty one.
 ///
-/// The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised even, is empty.
+/// The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
 #[derive(Debug)]
 #[repr(C)]
 pub struct ProtocolData {

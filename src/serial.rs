@@ -241,7 +241,7 @@ pub unsafe extern "C" fn dp_serial_handle(serial: *const Serial) -> c_int {
     unsafe { Serial::peek(serial) }.and_then(Port::handle).unwrap_or(-1)
 }
 
-/// Closes it. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+/// Closes it, if it is open. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` for NULL.
 ///
 /// ```c
 /// dp_serial_drain(&port);

@@ -93,7 +93,7 @@ extern "C" {
 /**
  * A ring buffer for bytes from the wire; all zero is an empty one.
  *
- * The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised even, is empty.
+ * The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
  */
 struct protocol_data {
   /** Storage of the ring. */

@@ -197,7 +197,7 @@ int dp_serial_set_rts(struct dp_serial *serial, int on);
 int dp_serial_handle(const struct dp_serial *serial);
 
 /**
- * Closes it. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+ * Closes it, if it is open. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` for NULL.
  *
  * ```c
  * dp_serial_drain(&port);
