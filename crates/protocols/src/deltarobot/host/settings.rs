@@ -13,8 +13,7 @@ pub struct Settings {
     pub ack_ms: u32,
     /// The longest time from sending a request to its answer's arrival, if it comes at all; by default 500.
     pub guard_ms: u32,
-    /// For how long behind its ack a report of IDLE does not end an operation, unless it was seen running; at least
-    /// `guard_ms`, by default 500.
+    /// How long after the ack IDLE does not end an operation that was not seen running; not below guard, by default 500.
     pub settle_ms: u32,
     /// During an operation the status is requested when no report came for this long; by default 200.
     pub poll_ms: u32,
@@ -24,8 +23,7 @@ pub struct Settings {
     pub operation_ms: u32,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: u32,
-    /// How far each arm may be from the target of a finished move; by default 0.25, twice what shipped firmware allows
-    /// itself.
+    /// How far each arm may be from the target of a finished move; by default 0.25, twice what shipped firmware allows.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: i16,
@@ -33,8 +31,7 @@ pub struct Settings {
     pub layout: u8,
     /// Not 0: each received message is an event.
     pub messages: u8,
-    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep a distance of
-    /// `guard_ms`.
+    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep `guard_ms` apart.
     pub duplicates: u8,
 }
 
