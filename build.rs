@@ -26,14 +26,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=src/exports.txt");
     let dir = env::var("DP_SIZES_DIR").unwrap_or(out);
     fs::create_dir_all(&dir)?;
-    write_if_new(&Path::new(&dir).join("sizes.h"), &sizes_header(&sizes)?)?;
-    let exports = exports(&sizes)?;
-    write_if_new(&Path::new(&dir).join("exports.txt"), &exports)?;
-    let mut attributes = String::new();
-    for name in exports.lines().filter(|name| !name.starts_with("dp_serial_")) {
-        writeln!(attributes, "{name},frame-pointer=none")?;
+    let (mut exports, mut attributes) = (String::new(), String::new());
+    for name in fs::read_to_string("src/exports.txt")?.lines() {
+        let family = name.split('_').next().unwrap_or_default().to_uppercase();
+        let symbol = name.replace("@SIZES@", &suffix(&sizes, &family));
+        writeln!(exports, "{symbol}")?;
+        if !symbol.starts_with("dp_serial_") {
+            writeln!(attributes, "{symbol},frame-pointer=none")?;
+        }
     }
-    write_if_new(&Path::new(&dir).join("no_frame_pointers.csv"), &attributes)?;
+    for (name, text) in
+        [("sizes.h", sizes_header(&sizes)?), ("exports.txt", exports), ("no_frame_pointers.csv", attributes)]
+    {
+        // One that is as it should be is left alone, for the sake of those who make things depend on it.
+        let path = Path::new(&dir).join(name);
+        if !fs::read(&path).is_ok_and(|old| old == text.as_bytes()) {
+            fs::write(path, text)?;
+        }
+    }
     Ok(())
 }
 
@@ -46,10 +56,8 @@ struct Size {
 
 /// The sizes of `src/sizes.mk`, as the environment asks for them: decimal numbers. `src/sizes.rs` checks their ranges.
 fn sizes() -> Result<Vec<Size>, Box<dyn Error>> {
-    let text = fs::read_to_string(format!("{}/src/sizes.mk", env::var("CARGO_MANIFEST_DIR")?))?;
-    let mut sizes = Vec::new();
-    let mut meaning = String::new();
-    for line in text.lines() {
+    let (mut sizes, mut meaning) = (Vec::new(), String::new());
+    for line in fs::read_to_string("src/sizes.mk")?.lines() {
         if let Some((name, default)) = line.split_once(" ?= ") {
             println!("cargo::rerun-if-env-changed={name}");
             let asked = env::var(name).unwrap_or_else(|_| default.into());
@@ -63,20 +71,8 @@ fn sizes() -> Result<Vec<Size>, Box<dyn Error>> {
 
 /// The sizes of a family as they stand in the names of symbols: `128_32`.
 fn suffix(sizes: &[Size], family: &str) -> String {
-    let values: Vec<_> =
-        sizes.iter().filter(|size| size.name.starts_with(family)).map(|size| size.value.to_string()).collect();
-    values.join("_")
-}
-
-/// The symbols that `src/exports.txt` lists, for these sizes.
-fn exports(sizes: &[Size]) -> Result<String, Box<dyn Error>> {
-    let list = fs::read_to_string(format!("{}/src/exports.txt", env::var("CARGO_MANIFEST_DIR")?))?;
-    let mut symbols = String::new();
-    for name in list.lines() {
-        let family = name.split('_').next().unwrap_or_default().to_uppercase();
-        writeln!(symbols, "{}", name.replace("@SIZES@", &suffix(sizes, &family)))?;
-    }
-    Ok(symbols)
+    let sizes = sizes.iter().filter(|size| size.name.starts_with(family));
+    sizes.map(|size| size.value.to_string()).collect::<Vec<_>>().join("_")
 }
 
 /// The text of `libdeltarobot/sizes.h`.
@@ -117,9 +113,4 @@ fn sizes_header(sizes: &[Size]) -> Result<String, Box<dyn Error>> {
     }
     text += "\n#endif\n";
     Ok(text)
-}
-
-/// Leaves a file that is as it should be alone, for the sake of those who make things depend on it.
-fn write_if_new(path: &Path, text: &str) -> std::io::Result<()> {
-    if fs::read(path).is_ok_and(|old| old == text.as_bytes()) { Ok(()) } else { fs::write(path, text) }
 }

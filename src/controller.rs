@@ -1,29 +1,29 @@
-//! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: takes requests, has them carried out,
-//! answers them.
+//! `libdeltarobot/controller.h`: the controller's end of the link, for firmware: has requests carried out and answered.
 
 use core::ffi::{c_int, c_void};
+use core::mem::MaybeUninit;
+use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
+
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use super::memory::{bytes_of, int};
-use super::payload::layout_of;
+use super::payload::{layout_of, position_to, report_from};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_NO_FRAME, DP_RC_SUCCESS, Position, SendFunc, StatusReport};
 use super::state::{Room, Word, state};
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::deltarobot::{Layout, PAYLOAD_MAX};
-use serving::{Served, State};
+use deltarobot_protocols::deltarobot::controller::{Controller as Core, Decision, Request};
+use deltarobot_protocols::deltarobot::{self as core_, FRAME_OVERHEAD, Layout, Message, Opcode, PAYLOAD_MAX, Report};
+use deltarobot_protocols::deltarobot::{encode, receiver_room};
 
-mod serving;
-
-/// Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
-/// place, as in shipped firmware.
+/// Refuses homing and moving during an operation. Without it they take that one's place, as in shipped firmware.
 pub const DP_CONTROLLER_REFUSE_BUSY: c_int = 1;
 /// The end of homing and of a move is reported by `h` and `m` (specification), besides the status report.
 pub const DP_CONTROLLER_REPORT_END: c_int = 2;
 /// An error during an operation is reported by `e` (specification), besides the status report.
 pub const DP_CONTROLLER_REPORT_ERROR: c_int = 4;
 
-/// Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
-/// `DP_STATUS_HOMING`.
+/// Begins to home. Returns 0, or anything else to refuse. From then until the end, the state is `DP_STATUS_HOMING`.
 ///
 /// ```c
 /// int start_homing(void *usr)
@@ -32,8 +32,8 @@ pub const DP_CONTROLLER_REPORT_ERROR: c_int = 4;
 /// }
 /// ```
 pub type HomeFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
-/// Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
-/// end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+/// Begins to move to target, which is free of NaNs, and gone when the function returns. Returns 0, or anything else to
+/// refuse. From then until the end, the state is `DP_STATUS_MOVING`.
 ///
 /// ```c
 /// int start_move(const struct protocol_msg_position *target, void *usr)
@@ -62,8 +62,7 @@ pub type CancelFunc = Option<unsafe extern "C" fn(usr: *mut c_void) -> c_int>;
 /// ```
 pub type ReadFunc = Option<unsafe extern "C" fn(report: *mut StatusReport, usr: *mut c_void)>;
 
-/// The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
-/// NULL; `read` and `send` are needed.
+/// The firmware's own functions. `read` and `send` are needed; what one that is NULL would do is refused.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Calls {
@@ -82,8 +81,7 @@ pub struct Calls {
 /// Words of a controller's room.
 pub const DP_CONTROLLER_WORDS: usize = DP_DATA_MAX_SIZE / 4 + 13;
 
-/// A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one
-/// does nothing.
+/// A controller. As it keeps pointers, it has to be made by `dp_controller_init`, or all zero, which does nothing.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Controller {
@@ -94,13 +92,11 @@ state!(Controller: State);
 
 /// Makes a controller of any memory.
 ///
-/// layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
-/// 0 for both, it answers like shipped firmware. calls' functions can be called with usr; calls stays there as long as
-/// the controller is used.
+/// layout is that of status reports, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both,
+/// it answers like shipped firmware. calls' functions are given usr; calls stays there as long as the controller.
 ///
 /// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
-/// the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
-/// `DP_LAYOUT_SPEC`).
+/// the layout is none of these, or `DP_DATA_MAX_SIZE` is below 16, a status report (13 for `DP_LAYOUT_SPEC`).
 ///
 /// ```c
 /// static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
@@ -121,23 +117,22 @@ pub unsafe extern "C" fn dp_controller_init(
         None => return DP_RC_ERROR_GENERIC,
     };
     // SAFETY: NULL or the caller's whole object.
-    match unsafe { Controller::init(controller) } {
-        Some(state) if longest <= DP_DATA_MAX_SIZE => state.set(calls, usr, layout, flags),
-        _ => return DP_RC_ERROR_GENERIC,
-    }
+    let Some(state) = unsafe { Controller::init(controller) }.filter(|_| longest <= DP_DATA_MAX_SIZE) else {
+        return DP_RC_ERROR_GENERIC;
+    };
+    (state.calls, state.usr) = (calls.expose_provenance(), usr.expose_provenance());
+    state.layout = u8::try_from(layout).unwrap_or_default();
+    state.controller.refuse_busy(flags & DP_CONTROLLER_REFUSE_BUSY != 0);
+    state.reports_end = u8::from(flags & DP_CONTROLLER_REPORT_END != 0);
+    state.reports_error = u8::from(flags & DP_CONTROLLER_REPORT_ERROR != 0);
     // SAFETY: not NULL, so the caller's whole object; it was made just now.
-    match unsafe { Served::new(controller) } {
-        Some(_) => DP_RC_SUCCESS,
-        None => DP_RC_ERROR_GENERIC,
-    }
+    if unsafe { Served::new(controller) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }
 
-/// Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
-/// a queue of the firmware's own.
+/// Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
 ///
-/// Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
-/// it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and
-/// bytes is not 0.
+/// Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
+/// Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in), taken = 0;
@@ -156,10 +151,10 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
     }
 }
 
-/// Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+/// Does one thing, in the firmware's main loop: reports the end of the operation, or answers one request.
 ///
-/// Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
-/// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+/// NULL or was not made by `dp_controller_init`.
 ///
 /// ```c
 /// while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
@@ -168,11 +163,11 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
 #[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_int {
     // SAFETY: NULL or the caller's whole object, made by dp_controller_init or all zero.
-    unsafe { poll(controller, false) }
+    poll(unsafe { Served::new(controller) }, false)
 }
 
-/// Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
-/// be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
+/// Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
+/// up, as by `dp_recv_idle`.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 10)
@@ -181,12 +176,11 @@ pub unsafe extern "C" fn dp_controller_poll(controller: *mut Controller) -> c_in
 #[export(dp)]
 pub unsafe extern "C" fn dp_controller_poll_idle(controller: *mut Controller) -> c_int {
     // SAFETY: NULL or the caller's whole object, made by dp_controller_init or all zero.
-    unsafe { poll(controller, true) }
+    poll(unsafe { Served::new(controller) }, true)
 }
 
-/// Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+/// Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
+/// `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
 ///
 /// ```c
 /// if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
@@ -200,14 +194,148 @@ pub unsafe extern "C" fn dp_controller_report(controller: *mut Controller) -> c_
     DP_RC_SUCCESS
 }
 
-/// # Safety
-///
-/// As for [`Served::new`].
-unsafe fn poll(controller: *mut Controller, idle: bool) -> c_int {
-    // SAFETY: the same contract.
-    match unsafe { Served::new(controller) }.map(|served| served.act(idle)) {
+fn poll(served: Option<Served>, idle: bool) -> c_int {
+    match served.map(|served| served.act(idle)) {
         Some(true) => DP_RC_SUCCESS,
         Some(false) => DP_RC_NO_FRAME,
         None => DP_RC_ERROR_GENERIC,
+    }
+}
+
+/// What lies in a [`Controller`].
+#[derive(Debug, FromBytes, Immutable, KnownLayout)]
+pub(crate) struct State {
+    controller: Core<{ receiver_room(DP_DATA_MAX_SIZE) }>,
+    /// Addresses of the calls and of usr.
+    calls: usize,
+    usr: usize,
+    layout: u8,
+    /// Not 0: the end of an operation, and an error in one, are reported as the specification says.
+    reports_end: u8,
+    reports_error: u8,
+}
+
+/// A controller with functions of the firmware's. No reference to it lives while one of these runs: they may call the
+/// library on it, and even initialize it again, without functions.
+#[derive(Clone, Copy)]
+struct Served(*mut Controller);
+
+impl Served {
+    /// `None` for NULL, and where the functions are not there that are needed.
+    ///
+    /// # Safety
+    ///
+    /// controller is NULL, or points to a whole object, made by `dp_controller_init` or all zero, which nobody else
+    /// touches as long as this lives.
+    unsafe fn new(controller: *mut Controller) -> Option<Self> {
+        let served = Self(controller);
+        let (calls, _) = if controller.is_null() { None } else { served.calls() }?;
+        (calls.read.is_some() && calls.send.is_some()).then_some(served)
+    }
+
+    /// Looks at the state, or changes it.
+    fn with<R>(self, step: impl FnOnce(&mut State) -> R) -> R {
+        // SAFETY: not NULL and whole by the contract of new(); this is the only reference, as no step calls the
+        // firmware.
+        step(unsafe { &mut *self.0.cast() })
+    }
+
+    /// The functions, and usr.
+    fn calls<'a>(self) -> Option<(&'a Calls, *mut c_void)> {
+        let (calls, usr) = self.with(|state| (state.calls, state.usr));
+        // SAFETY: NULL, or what was given to dp_controller_init, which has to stay there.
+        let calls = unsafe { with_exposed_provenance::<Calls>(calls).as_ref() }?;
+        Some((calls, with_exposed_provenance_mut(usr)))
+    }
+
+    /// Does one thing: reports the end of the operation, or answers one request. `false` when there is nothing to do.
+    fn act(self, idle: bool) -> bool {
+        if self.with(|state| state.controller.is_active()) {
+            let now = self.status();
+            if let Some(end) = self.with(|state| state.controller.ended(&now)) {
+                let is_asked_for = self.with(|state| match end {
+                    Some(Opcode::GENERAL_ERR) => state.reports_error != 0,
+                    _ => state.reports_end != 0,
+                });
+                if let Some(end) = end.filter(|_| is_asked_for) {
+                    self.send(end, &[]);
+                }
+                self.report();
+                return true;
+            }
+        }
+        let request = self.with(|state| state.controller.request(idle));
+        if let Some(request) = &request {
+            self.answer(request);
+        }
+        request.is_some()
+    }
+
+    fn answer(self, request: &Request) {
+        let now = self.status();
+        let decision = self.with(|state| state.controller.decide(request, &now));
+        let accepted = self.carry_out(&decision);
+        if accepted {
+            self.with(|state| state.controller.started(&decision));
+        }
+        if decision != Decision::Report {
+            self.send(if accepted { Opcode::ACK } else { Opcode::NACK }, &[request.opcode.0]);
+        }
+        if decision != Decision::RefuseOnly {
+            let now = self.report();
+            self.with(|state| state.controller.reported(&now));
+        }
+    }
+
+    /// Has the firmware do what was decided, and says whether it does.
+    fn carry_out(self, decision: &Decision) -> bool {
+        let Some((calls, usr)) = self.calls() else { return false };
+        match decision {
+            // SAFETY: this, and the two below, can be called with usr, as dp_controller_init asks.
+            Decision::Home => calls.home.is_some_and(|home| unsafe { home(usr) } == 0),
+            // SAFETY: see above.
+            Decision::Cancel => calls.cancel.is_some_and(|cancel| unsafe { cancel(usr) } == 0),
+            Decision::Move(target) => calls.r#move.is_some_and(|start| {
+                let mut position = MaybeUninit::uninit();
+                // SAFETY: see above; the position is ours, and filled in before it is read.
+                unsafe {
+                    position_to(position.as_mut_ptr(), *target);
+                    start(position.as_ptr(), usr) == 0
+                }
+            }),
+            Decision::Accept => true,
+            Decision::Report | Decision::Refuse | Decision::RefuseOnly => false,
+        }
+    }
+
+    /// Asks the firmware for the status.
+    fn status(self) -> Report {
+        let mut report = StatusReport { DA: 0.0, DB: 0.0, DC: 0.0, STAT: 0 };
+        if let Some((Calls { read: Some(read), .. }, usr)) = self.calls() {
+            // SAFETY: it can be called with usr, as dp_controller_init asks; the report is ours.
+            unsafe { read(&raw mut report, usr) };
+        }
+        // SAFETY: the report is ours.
+        unsafe { report_from(&raw const report) }.unwrap_or(Report::new(core_::Position::UNKNOWN, 0))
+    }
+
+    /// Sends the status, and returns it.
+    #[inline(never)] // That is smaller.
+    fn report(self) -> Report {
+        let report = self.status();
+        let mut payload = [0; PAYLOAD_MAX];
+        let layout = Layout::of(self.with(|state| state.layout));
+        let length = Message::StatusReport(report).write(layout, &mut payload);
+        self.send(Opcode::STATUS_REPL, payload.get(..length).unwrap_or_default());
+        report
+    }
+
+    fn send(self, opcode: Opcode, payload: &[u8]) {
+        let mut frame = [MaybeUninit::<u8>::uninit(); PAYLOAD_MAX.wrapping_add(FRAME_OVERHEAD)];
+        let length = encode(opcode, payload, &mut frame);
+        if let (Some(length), Some((Calls { send: Some(send), .. }, usr))) = (length, self.calls()) {
+            // SAFETY: it can be called with usr, as dp_controller_init asks; encode() has written so many bytes.
+            unsafe { send(frame.as_mut_ptr().cast(), int(length), usr) };
+        }
     }
 }

@@ -34,9 +34,8 @@ use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
 use super::state::{Room, state};
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::deltarobot::host::{Busy, Health, Host as Session, Settings};
+use deltarobot_protocols::deltarobot::host::{Busy, Host as Session, Settings};
 use deltarobot_protocols::deltarobot::{POSITION_SIZE, receiver_room};
-use deltarobot_protocols::session::RoundTrips;
 use event::{HostEvent, event_to};
 
 pub mod event;
@@ -49,15 +48,14 @@ pub const DP_RC_NO_EVENT: c_int = 6;
 /// Room for what is to be sent at a time: three requests.
 pub const DP_HOST_OUTPUT_MAX: c_int = 27;
 
-/// Settings of a session, times in milliseconds. 0 stands for the default everywhere; times are at most 2147483647 ms
-/// (24 days).
+/// Settings of a session, times in milliseconds up to 2147483647 (24 days). 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
 pub struct HostSettings {
     /// How long an answer is waited for before the request is retransmitted; by default 250.
     pub ack_ms: c_ulong,
-    /// The longest time from sending a request to its answer's arrival, however late: what has not come by then is
-    /// lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
+    /// The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
+    /// comes sooner is not taken for the answer to a later request. By default 500.
     pub guard_ms: c_ulong,
     /// How long after its ack an operation may take to show in the state: a report of IDLE that comes sooner, with no
     /// other state before it, does not end the operation. Not below guard; by default 500.
@@ -70,8 +68,7 @@ pub struct HostSettings {
     pub operation_ms: c_ulong,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: c_ulong,
-    /// How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
-    /// displacement; by default 0.25, twice what shipped firmware allows itself.
+    /// How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: c_int,
@@ -79,8 +76,7 @@ pub struct HostSettings {
     pub layout: c_int,
     /// Not 0: each received message is an event.
     pub messages: c_int,
-    /// Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
-    /// waits until the guard time of the last one is over, even when that ended well before.
+    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep `guard_ms` apart.
     pub duplicates: c_int,
 }
 
@@ -141,33 +137,19 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const HostSett
     let (session, settings) = unsafe { (Host::init(host), settings.as_ref()) };
     let Some(session) = session else { return DP_RC_ERROR_GENERIC };
     if let Some(settings) = settings {
-        let &HostSettings {
-            ack_ms,
-            guard_ms,
-            settle_ms,
-            poll_ms,
-            silence_ms,
-            operation_ms,
-            gap_ms,
-            tolerance,
-            attempts,
-            layout,
-            messages,
-            duplicates,
-        } = settings;
         *session.settings() = Settings {
-            ack_ms: duration(ack_ms),
-            guard_ms: duration(guard_ms),
-            settle_ms: duration(settle_ms),
-            poll_ms: duration(poll_ms),
-            silence_ms: duration(silence_ms),
-            operation_ms: duration(operation_ms),
-            gap_ms: duration(gap_ms),
-            tolerance,
-            attempts: short(attempts),
-            layout: u8::try_from(layout).unwrap_or_default(),
-            messages: u8::from(messages != 0),
-            duplicates: u8::from(duplicates != 0),
+            ack_ms: duration(settings.ack_ms),
+            guard_ms: duration(settings.guard_ms),
+            settle_ms: duration(settings.settle_ms),
+            poll_ms: duration(settings.poll_ms),
+            silence_ms: duration(settings.silence_ms),
+            operation_ms: duration(settings.operation_ms),
+            gap_ms: duration(settings.gap_ms),
+            tolerance: settings.tolerance,
+            attempts: short(settings.attempts),
+            layout: u8::try_from(settings.layout).unwrap_or_default(),
+            messages: u8::from(settings.messages != 0),
+            duplicates: u8::from(settings.duplicates != 0),
         };
     }
     DP_RC_SUCCESS
@@ -184,7 +166,7 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const HostSett
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_home(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::home) }
+    request(unsafe { Host::get(host) }, Session::home)
 }
 
 /// Requests a move to a position. The end comes as an event.
@@ -203,7 +185,7 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
     let target = unsafe { position_from(target) };
     match target.filter(|target| POSITION_SIZE <= DP_DATA_MAX_SIZE && target.is_finite()) {
         // SAFETY: NULL or the caller's whole object.
-        Some(target) => unsafe { request(host, |session| session.move_to(target)) },
+        Some(target) => request(unsafe { Host::get(host) }, |session| session.move_to(target)),
         None => DP_RC_ERROR_GENERIC,
     }
 }
@@ -211,8 +193,7 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
 /// Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
 /// the operation when the platform stands. Without an operation it is requested all the same.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is
-/// NULL.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// if (stop_is_pressed())
@@ -221,13 +202,12 @@ pub unsafe extern "C" fn dp_host_move(host: *mut Host, target: *const Position) 
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::cancel) }
+    request(unsafe { Host::get(host) }, Session::cancel)
 }
 
 /// Requests a status report. It ends with the next report that is received.
 ///
-/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is
-/// NULL.
+/// Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
@@ -236,19 +216,17 @@ pub unsafe extern "C" fn dp_host_cancel(host: *mut Host) -> c_int {
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_status(host: *mut Host) -> c_int {
     // SAFETY: NULL or the caller's whole object.
-    unsafe { request(host, Session::status) }
+    request(unsafe { Host::get(host) }, Session::status)
 }
 
 /// Takes received bytes; `now_ms` is when they came.
 ///
-/// Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
-/// the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not
-/// 0.
+/// Returns how many were taken: all, or as many as fit. The rest fits when `dp_host_poll` has no more events. Returns
+/// -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; handle_events(&host))
-///     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+/// for (int taken = 0; taken < length; handle_events(&host))
+///     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
@@ -283,14 +261,12 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
     if happened.is_some() { DP_RC_SUCCESS } else { DP_RC_NO_EVENT }
 }
 
-/// Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
-/// To be called after `dp_host_poll`.
+/// Fetches what is to be sent after `dp_host_poll`: whole frames, `DP_HOST_OUTPUT_MAX` bytes at most, sent at `now_ms`.
 ///
 /// Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
 /// -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// char out[DP_HOST_OUTPUT_MAX];
 /// int length = dp_host_output(&host, out, sizeof out, now_ms());
 /// if (length > 0)
 ///     uart_write(&uart, out, length);
@@ -300,14 +276,12 @@ pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: 
     // SAFETY: NULL or the caller's whole object.
     let Some(session) = (unsafe { Host::get(host) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
     // SAFETY: NULL or so many writable bytes of the caller's, apart from the session.
-    let written = unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) };
-    written.unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
+    unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) }
+        .unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
-/// How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
-/// the output was fetched: what it returns is then what poll(2) takes as timeout.
-///
-/// Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
+/// Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
+/// them: -1 when not at all, or host is NULL. Ask when events and output were fetched.
 ///
 /// ```c
 /// wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
@@ -318,9 +292,7 @@ pub unsafe extern "C" fn dp_host_next_deadline(host: *const Host, now_ms: c_ulon
     unsafe { Host::peek(host) }.and_then(|session| session.next_deadline(time(now_ms))).map_or(-1, long)
 }
 
-/// Whether an operation is going on.
-///
-/// Returns 1, or 0, also when host is NULL.
+/// Whether an operation is going on: 1, or 0, also when host is NULL.
 ///
 /// ```c
 /// if (!dp_host_busy(&host))
@@ -332,9 +304,7 @@ pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
     c_int::from(unsafe { Host::peek(host) }.is_some_and(Session::is_busy))
 }
 
-/// Copies the statistics.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies the statistics. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct dp_host_health health;
@@ -345,41 +315,31 @@ pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
 pub unsafe extern "C" fn dp_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: NULL or the caller's whole object.
     let (Some(session), false) = (unsafe { Host::peek(host) }, health.is_null()) else { return DP_RC_ERROR_GENERIC };
-    let &Health {
-        frames,
-        malformed,
-        strays,
-        garbage_bytes,
-        checksum_failures,
-        timeouts,
-        retransmissions,
-        round_trips: RoundTrips { count, last, min, max, sum },
-    } = session.health();
+    let counted = session.health();
+    let times = counted.round_trips;
     let copied = HostHealth {
-        frames: frames.into(),
-        malformed: malformed.into(),
-        strays: strays.into(),
-        garbage_bytes: garbage_bytes.into(),
-        checksum_failures: checksum_failures.into(),
-        timeouts: timeouts.into(),
-        retransmissions: retransmissions.into(),
-        rtt_count: count.into(),
-        rtt_last: last.into(),
-        rtt_min: min.into(),
-        rtt_max: max.into(),
-        rtt_sum: sum.into(),
+        frames: counted.frames.into(),
+        malformed: counted.malformed.into(),
+        strays: counted.strays.into(),
+        garbage_bytes: counted.garbage_bytes.into(),
+        checksum_failures: counted.checksum_failures.into(),
+        timeouts: counted.timeouts.into(),
+        retransmissions: counted.retransmissions.into(),
+        rtt_count: times.count.into(),
+        rtt_last: times.last.into(),
+        rtt_min: times.min.into(),
+        rtt_max: times.max.into(),
+        rtt_sum: times.sum.into(),
     };
     // SAFETY: not NULL, so the caller's whole object.
     unsafe { health.write(copied) };
     DP_RC_SUCCESS
 }
 
-/// # Safety
-///
-/// host is NULL or points to a whole object, which nobody else touches.
-unsafe fn request(host: *mut Host, begin: impl FnOnce(&mut <Host as Room>::State) -> Result<(), Busy>) -> c_int {
-    // SAFETY: the same contract.
-    match unsafe { Host::get(host) }.map(begin) {
+type State = <Host as Room>::State;
+
+fn request(session: Option<&mut State>, begin: impl FnOnce(&mut State) -> Result<(), Busy>) -> c_int {
+    match session.map(begin) {
         Some(Ok(())) => DP_RC_SUCCESS,
         Some(Err(Busy)) => DP_RC_BUSY,
         None => DP_RC_ERROR_GENERIC,

@@ -8,8 +8,6 @@
 //! struct dp_robot_configuration configuration = {
 //!     { 0.12f, 0.0f, 0.10f }, { 0.38f, 0.0f, 0.25f }, { 0.12f, 0.0f, 0.40f }, 0.15f, 0.08f
 //! };
-//! float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
-//! dp_kinematics_inverse(&configuration, pose, lengths);
 //! ```
 
 use core::ffi::{c_float, c_int};
@@ -98,17 +96,13 @@ unsafe fn answer(
     out: *mut c_float,
     solve: fn(&Geometry, [f32; 3]) -> Result<[f32; 3], Error>,
 ) -> c_int {
-    if given.is_null() || out.is_null() {
-        return DP_RC_ERROR_GENERIC;
-    }
-    // SAFETY: NULL or a configuration by this function's contract.
-    let Some(&RobotConfiguration { A1, A2, A3, d_B1B3, d_e }) = (unsafe { configuration.as_ref() }) else {
+    // SAFETY: NULL or whole by this function's contract.
+    let given = unsafe { (configuration.as_ref(), given.cast::<[c_float; 3]>().as_ref()) };
+    let ((Some(&RobotConfiguration { A1, A2, A3, d_B1B3, d_e }), Some(given)), false) = (given, out.is_null()) else {
         return DP_RC_ERROR_GENERIC;
     };
     let geometry = Geometry { joints: [A1, A2, A3], edge: d_B1B3, offset: d_e };
-    // SAFETY: not NULL, so three floats by this function's contract.
-    let given = unsafe { given.cast::<[c_float; 3]>().read() };
-    match solve(&geometry, given) {
+    match solve(&geometry, *given) {
         Ok(found) => {
             // SAFETY: as above.
             unsafe { out.cast::<[c_float; 3]>().write(found) };

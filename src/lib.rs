@@ -48,7 +48,7 @@ mod memory;
 mod panic_handler;
 pub mod payload;
 #[cfg(all(any(unix, windows), feature = "serial"))]
-pub mod port;
+mod port;
 pub mod protocol;
 pub mod protocol_ext;
 pub mod receiver;
@@ -56,5 +56,4 @@ mod ring;
 #[cfg(all(any(unix, windows), feature = "serial"))]
 pub mod serial;
 pub mod sizes;
-#[allow(unused, reason = "the sessions move to it one by one")]
 mod state;

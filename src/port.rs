@@ -1,4 +1,4 @@
-//! The serial port: 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at any speed.
+//! What `serial.h` opens: 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at any speed.
 //!
 //! Opening waits for no carrier and keeps other programs away. No call waits longer than its timeout. A device that
 //! has disappeared is an error at the next use.
@@ -8,13 +8,11 @@
 
 #[cfg_attr(windows, path = "port/windows.rs")]
 #[cfg_attr(unix, path = "port/unix.rs")]
-mod system;
-mod text;
+pub(crate) mod system;
 
 use core::ffi::{CStr, c_int, c_long, c_ulong};
-use core::mem::MaybeUninit;
 
-use text::Text;
+use crate::serial::Settings;
 
 /// Bytes of an error's text, the terminating zero included.
 const TEXT_MAX: usize = 320;
@@ -24,7 +22,7 @@ const NAME_MAX: usize = 240;
 /// A serial port. All zero is a closed one.
 #[derive(Debug, zerocopy::FromBytes)]
 #[repr(C)]
-pub struct Port {
+pub(crate) struct Port {
     /// The file descriptor, or the `HANDLE`, of which Windows uses 32 bits.
     handle: c_int,
     is_open: c_int,
@@ -34,208 +32,97 @@ pub struct Port {
     text: [u8; TEXT_MAX],
 }
 
-/// How a port is opened and closed.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Speed in baud.
-    pub baud: c_ulong,
-    /// The level of DTR after opening; `None`: what opening makes of it, which is on.
-    pub dtr: Option<bool>,
-    /// The level of RTS likewise.
-    pub rts: Option<bool>,
-    /// Closing leaves DTR and RTS as they are.
-    pub keep_lines: bool,
-}
-
-impl Settings {
-    /// Those of a link at a speed: no control of the lines.
-    #[must_use]
-    pub const fn at(baud: c_ulong) -> Self {
-        Self { baud, dtr: None, rts: None, keep_lines: false }
-    }
-}
-
-/// An output of the port besides the data.
-#[derive(Clone, Copy, Debug)]
-pub enum Line {
-    /// Data terminal ready.
-    Dtr,
-    /// Request to send.
-    Rts,
-}
-
 /// It failed; [`Port::error`] says why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Failed;
+pub(crate) struct Failed;
 
 /// What went wrong.
-enum Cause {
+pub(crate) enum Cause {
     System(system::Error),
     InUse,
     NoSerialPort,
     NotTaken(c_ulong),
     NoLines,
     Disconnected,
-    NotOpen,
     TimedOut,
 }
 
 impl Port {
-    /// A closed port.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { handle: 0, is_open: 0, has_failed: 0, name_length: 0, text: [0; TEXT_MAX] }
-    }
-
-    /// Opens and sets up a serial port or pseudo-terminal. What it received before is discarded.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when that was not possible; the port is closed then.
-    pub fn open(&mut self, device: &CStr, settings: &Settings) -> Result<(), Failed> {
-        self.close();
+    /// Opens and sets up a serial port or pseudo-terminal, unless that fails. What it received before is discarded.
+    pub(crate) fn open(&mut self, device: &CStr, settings: &Settings) -> Result<(), Failed> {
         self.has_failed = 0;
-        self.set_name(device.to_bytes());
-        match system::open(device, settings) {
-            Ok(handle) => {
-                (self.handle, self.is_open) = (handle, 1);
-                Ok(())
-            }
-            Err(cause) => Err(self.fail(&cause)),
-        }
-    }
-
-    /// Closes it, if it is open. What was written is still sent.
-    pub fn close(&mut self) {
-        if self.is_open() {
-            system::close(self.handle);
-        }
-        (self.handle, self.is_open) = (0, 0);
-    }
-
-    /// Whether it is open.
-    #[must_use]
-    pub const fn is_open(&self) -> bool {
-        self.is_open != 0
-    }
-
-    /// The file descriptor, or what Windows calls a `HANDLE`; `None` when it is closed.
-    #[must_use]
-    pub const fn handle(&self) -> Option<c_int> {
-        if self.is_open() { Some(self.handle) } else { None }
-    }
-
-    /// Reads what has come. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if negative), or
-    /// until a signal was handled; then no bytes are returned.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when the device is gone or the port is closed. What was received before that is read first.
-    pub fn read<'a>(&mut self, out: &'a mut [MaybeUninit<u8>], timeout_ms: c_long) -> Result<&'a [u8], Failed> {
-        if out.is_empty() {
-            return self.run(|_| Ok(&[][..]));
-        }
-        self.run(|handle| system::read(handle, out, timeout_ms))
-    }
-
-    /// Writes all bytes, waiting for room up to `timeout_ms` milliseconds in all (for ever if negative). Returns how
-    /// many were written: fewer when the time was over first. Signals don't end it.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when the device is gone or the port is closed.
-    pub fn write(&mut self, bytes: &[u8], timeout_ms: c_long) -> Result<usize, Failed> {
-        self.run(|handle| system::write(handle, bytes, timeout_ms))
-    }
-
-    /// Like [`write`](Self::write), but it is a failure when not all bytes were written in time.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] for this reason too.
-    pub fn send(&mut self, bytes: &[u8], timeout_ms: c_long) -> Result<(), Failed> {
-        let written = self.write(bytes, timeout_ms)?;
-        if written == bytes.len() { Ok(()) } else { Err(self.fail(&Cause::TimedOut)) }
-    }
-
-    /// Waits until all that was written was sent.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when the device is gone or the port is closed.
-    pub fn drain(&mut self) -> Result<(), Failed> {
-        self.run(system::drain)
-    }
-
-    /// Discards what was received and not read.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when the device is gone or the port is closed.
-    pub fn discard(&mut self) -> Result<(), Failed> {
-        self.run(system::discard)
-    }
-
-    /// Sets a line's level.
-    ///
-    /// # Errors
-    ///
-    /// [`Failed`] when the device has no such line or is gone, or the port is closed.
-    pub fn set_line(&mut self, line: Line, on: bool) -> Result<(), Failed> {
-        self.run(|handle| system::set_line(handle, line, on))
-    }
-
-    /// The device's name and what went wrong last, such as `/dev/ttyUSB0: in use by another program`; empty when
-    /// nothing did since it was opened.
-    #[must_use]
-    pub fn error(&self) -> &CStr {
-        if self.has_failed == 0 { c"" } else { CStr::from_bytes_until_nul(&self.text).unwrap_or_default() }
-    }
-
-    /// Does something with the open device, and notes why it failed.
-    fn run<T>(&mut self, operation: impl FnOnce(c_int) -> Result<T, Cause>) -> Result<T, Failed> {
-        let result = self.handle().ok_or(Cause::NotOpen).and_then(operation);
-        result.map_err(|cause| self.fail(&cause))
-    }
-
-    fn set_name(&mut self, name: &[u8]) {
-        let mut text = Text::new(&mut self.text, 0);
+        let name = device.to_bytes();
+        let mut text = Text { buffer: &mut self.text, length: 0 };
         let hidden = name.len().saturating_sub(NAME_MAX);
         if hidden > 0 {
             text.put(b"...");
         }
         text.put(name.get(hidden..).unwrap_or_default());
         // Below TEXT_MAX.
-        self.name_length = c_int::try_from(text.length()).unwrap_or_default();
+        self.name_length = c_int::try_from(text.length).unwrap_or_default();
+        self.handle = self.noted(system::open(device, settings))?;
+        self.is_open = 1;
+        Ok(())
     }
 
-    fn fail(&mut self, cause: &Cause) -> Failed {
+    /// Closes it, if it is open. What was written is still sent.
+    pub(crate) fn close(&mut self) {
+        if let Some(handle) = self.handle() {
+            system::close(handle);
+        }
+        (self.handle, self.is_open) = (0, 0);
+    }
+
+    /// What it is to the system, if it is open.
+    pub(crate) fn handle(&self) -> Option<c_int> {
+        (self.is_open != 0).then_some(self.handle)
+    }
+
+    /// Does something with the device, which is open, and notes why it failed.
+    pub(crate) fn run<T>(&mut self, operation: impl FnOnce(c_int) -> Result<T, Cause>) -> Result<T, Failed> {
+        let result = operation(self.handle);
+        self.noted(result)
+    }
+
+    /// Writes all bytes; it is a failure when that takes longer than `timeout_ms` milliseconds.
+    pub(crate) fn send(&mut self, bytes: &[u8], timeout_ms: c_long) -> Result<(), Failed> {
+        self.run(|handle| match system::write(handle, bytes, timeout_ms)? {
+            written if written == bytes.len() => Ok(()),
+            _ => Err(Cause::TimedOut),
+        })
+    }
+
+    /// The device's name and what went wrong last, such as `/dev/ttyUSB0: in use by another program`; empty when
+    /// nothing did since it was opened.
+    pub(crate) fn error(&self) -> &CStr {
+        if self.has_failed == 0 { c"" } else { CStr::from_bytes_until_nul(&self.text).unwrap_or_default() }
+    }
+
+    fn noted<T>(&mut self, result: Result<T, Cause>) -> Result<T, Failed> {
+        let cause = match result {
+            Ok(done) => return Ok(done),
+            Err(cause) => cause,
+        };
         self.has_failed = 1;
-        let mut text = Text::new(&mut self.text, usize::try_from(self.name_length).unwrap_or_default());
-        if text.length() > 0 {
+        let length = usize::try_from(self.name_length).unwrap_or_default();
+        let mut text = Text { buffer: &mut self.text, length };
+        if length > 0 {
             text.put(b": ");
         }
         match cause {
-            Cause::System(error) => text.put(system::text(*error, &mut [0; 128])),
+            Cause::System(error) => text.put(system::text(error, &mut [0; 128])),
             Cause::InUse => text.put(b"in use by another program"),
             Cause::NoSerialPort => text.put(b"not a serial port"),
             Cause::NotTaken(baud) => {
                 text.put(b"can't be set to ");
-                text.put_number(*baud);
+                text.put_number(baud);
                 text.put(b" baud 8N1");
             }
             Cause::NoLines => text.put(b"has no such line"),
             Cause::Disconnected => text.put(b"disconnected"),
-            Cause::NotOpen => text.put(b"not open"),
             Cause::TimedOut => text.put(b"no bytes were taken in time"),
         }
-        Failed
-    }
-}
-
-impl Default for Port {
-    fn default() -> Self {
-        Self::new()
+        Err(Failed)
     }
 }
 
@@ -244,37 +131,77 @@ const fn is_near(speed: c_ulong, asked: c_ulong) -> bool {
     speed.abs_diff(asked) <= asked / 50
 }
 
+/// Writes one part behind the other, and a zero byte behind all. What does not fit is left out.
+struct Text<'a> {
+    buffer: &'a mut [u8],
+    length: usize,
+}
+
+impl Text<'_> {
+    fn put(&mut self, part: &[u8]) {
+        // The last place is the zero byte's.
+        for byte in part {
+            let Some([place, next, ..]) = self.buffer.get_mut(self.length..) else { return };
+            (*place, *next) = (*byte, 0);
+            self.length = self.length.wrapping_add(1);
+        }
+    }
+
+    fn put_number(&mut self, number: c_ulong) {
+        if let rest @ 1.. = number / 10 {
+            self.put_number(rest);
+        }
+        if let Ok(digit) = u8::try_from(number % 10) {
+            self.put(&[b'0'.wrapping_add(digit)]);
+        }
+    }
+}
+
 #[cfg(all(test, unix))]
 mod tests {
-    use super::{Failed, Port, Settings, TEXT_MAX};
+    use super::{Failed, Port, Settings, TEXT_MAX, Text};
     use core::ffi::CStr;
+    use zerocopy::FromZeros;
+
+    #[test]
+    fn parts_stand_behind_each_other_and_what_does_not_fit_is_left_out() {
+        let mut buffer = [0x7F; 12];
+        let mut text = Text { buffer: &mut buffer, length: 0 };
+        text.put(b"at ");
+        text.put_number(0);
+        text.put(b", ");
+        text.put_number(1_234_567);
+        assert_eq!(text.length, 11);
+        assert_eq!(CStr::from_bytes_until_nul(&buffer), Ok(c"at 0, 12345"));
+        for length in [4, 99] {
+            Text { buffer: &mut buffer, length }.put(b"!");
+            assert_eq!(CStr::from_bytes_until_nul(&buffer), Ok(c"at 0!"));
+        }
+    }
 
     #[test]
     fn errors_name_the_device() {
-        let mut port = Port::new();
+        let mut port = Port::new_zeroed();
         assert_eq!(port.error(), c"");
-        assert_eq!(port.send(b"$S", 0), Err(Failed));
-        assert_eq!(port.error(), c"not open");
         for (device, error) in [
             (c"/nonexistent/tty", c"/nonexistent/tty: No such file or directory"),
             (c"/dev/null", c"/dev/null: not a serial port"),
             (c"/", c"/: not a serial port"),
         ] {
-            assert_eq!(port.open(device, &Settings::at(9600)), Err(Failed));
-            assert_eq!(port.error(), error);
-            assert!(!port.is_open());
+            assert_eq!(port.open(device, &Settings { baud: 9600, ..Settings::default() }), Err(Failed));
+            assert_eq!((port.error(), port.handle()), (error, None));
         }
     }
 
     #[test]
     fn of_a_long_name_the_end_is_shown() {
-        let mut port = Port::new();
+        let mut port = Port::new_zeroed();
         let mut name = [b'x'; 2 * TEXT_MAX];
         if let Some(end) = name.last_chunk_mut() {
             *end = *b"/tty\0";
         }
         let name = CStr::from_bytes_with_nul(&name).unwrap_or_default();
-        assert_eq!(port.open(name, &Settings::at(9600)), Err(Failed));
+        assert_eq!(port.open(name, &Settings { baud: 9600, ..Settings::default() }), Err(Failed));
         let text = port.error().to_str().unwrap_or_default();
         assert!(text.starts_with("...xx") && text.ends_with("x/tty: File name too long"), "{text}");
     }

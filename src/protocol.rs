@@ -48,8 +48,7 @@ pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
 
 /// A ring buffer for bytes from the wire; all zero is an empty one.
 ///
-/// The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
-/// empty, so an uninitialised one does no harm.
+/// The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
 #[derive(Debug)]
 #[repr(C)]
 pub struct ProtocolData {
@@ -63,11 +62,11 @@ pub struct ProtocolData {
 
 // It is a Ring.
 const _: () = {
-    assert!(size_of::<ProtocolData>() == size_of::<Ring<DP_BUFSIZE>>());
-    assert!(align_of::<ProtocolData>() == align_of::<Ring<DP_BUFSIZE>>());
-    assert!(offset_of!(ProtocolData, m_buf) == Ring::<DP_BUFSIZE>::OFFSETS[0]);
-    assert!(offset_of!(ProtocolData, m_idx) == Ring::<DP_BUFSIZE>::OFFSETS[1]);
-    assert!(offset_of!(ProtocolData, m_sz) == Ring::<DP_BUFSIZE>::OFFSETS[2]);
+    type Same = Ring<DP_BUFSIZE>;
+    assert!(size_of::<ProtocolData>() == size_of::<Same>() && align_of::<ProtocolData>() == align_of::<Same>());
+    assert!(offset_of!(ProtocolData, m_buf) == offset_of!(Same, bytes));
+    assert!(offset_of!(ProtocolData, m_idx) == offset_of!(Same, start));
+    assert!(offset_of!(ProtocolData, m_sz) == offset_of!(Same, used));
 };
 
 /// The ring behind a pointer from C, or `None` for NULL.
@@ -98,8 +97,7 @@ pub struct ProtocolMsg {
     pub checksum_ok: c_int,
 }
 
-/// The payload of a status report as the shipped firmware lays it out: 16 bytes with the padding behind STAT.
-/// Displacements are in the firmware's own unit: the specification names none.
+/// The payload of a status report of shipped firmware: 16 bytes with the padding, displacements in its own unit.
 #[derive(Debug)]
 #[repr(C)]
 #[expect(non_snake_case, reason = "the original's names")]
@@ -140,11 +138,8 @@ pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, 
 
 /// Adds received bytes at the ring's end.
 ///
-/// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
-/// taken. A ring whose fields are out of range counts as empty.
-///
-/// Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
-/// own.
+/// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
+/// An interrupt that may come during another call on the ring puts them into a queue of the program's own.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
 /// negative, or buf is NULL and bytes is not 0.
@@ -168,12 +163,11 @@ pub unsafe extern "C" fn dp_process(data: *mut ProtocolData, buf: *mut c_void, b
 
 /// Takes the next message out of the ring.
 ///
-/// An incomplete frame at the ring's start is waited for, whatever stands behind it; bytes that can't be part
-/// of a frame are thrown away.
+/// An incomplete frame at the ring's start is waited for; bytes that can't be part of a frame are thrown away.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_NO_FRAME` when more bytes are needed, `DP_RC_GARBAGE` when more are
-/// needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode`
-/// is set to 0xFF and the rest of msg is left as it was.
+/// needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, only `opcode`
+/// is set, to 0xFF.
 ///
 /// ```c
 /// struct protocol_msg msg;
@@ -260,15 +254,12 @@ pub(crate) unsafe fn deliver(
     }
 }
 
-/// Sends a message: calls sendfunc once, with the whole frame and usr.
-///
-/// The opcode is not checked.
+/// Sends a message, whose opcode is not checked: calls sendfunc once, with the whole frame and usr.
 ///
 /// Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
 /// is outside 0 to `DP_DATA_MAX_SIZE`.
 ///
 /// ```c
-/// struct protocol_msg msg;
 /// msg.opcode = DP_OPCODE_HOMING;
 /// msg.data_s = 0;
 /// dp_send(&msg, uart_send, &uart);

@@ -7,8 +7,7 @@ use super::memory::{bytes_of, int};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
 
-/// Receives a message from `dp_process_each`; usr is what that was given. Any result but 0 stops it.
-/// The message is gone when the function returns.
+/// Receives a message from `dp_process_each`, gone when this returns, and that one's usr. Any result but 0 stops it.
 ///
 /// ```c
 /// int on_msg(const struct protocol_msg *msg, void *usr)
@@ -22,9 +21,7 @@ pub type MsgFunc = Option<unsafe extern "C" fn(msg: *const ProtocolMsg, usr: *mu
 /// Adds any number of received bytes, and calls `on_msg` for each message as soon as it is complete.
 ///
 /// Does what `dp_process` and `dp_recv` do, but never overflows: the ring is emptied whenever it is full. Messages that
-/// are in the ring already come first.
-///
-/// buf's bytes stay as they are until the call returns.
+/// are in the ring already come first. buf's bytes stay as they are until the call returns.
 ///
 /// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it. Nothing is lost then: give the
 /// rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
@@ -68,15 +65,13 @@ pub unsafe extern "C" fn dp_process_each(
     }
 }
 
-/// Takes the next message out of the ring when the line has been quiet for longer than a frame takes (at
-/// 115200 baud a maximal frame of 37 bytes takes 3.2 ms).
-///
-/// What is incomplete by then stays incomplete: most likely noise that looks like the beginning of a frame, which
-/// `dp_recv` would wait behind until enough bytes have come. It is given up, and what stands behind it delivered.
+/// Like `dp_recv`, for a line that has been quiet for longer than a frame takes (37 bytes at 115200 baud: 3.2 ms): what
+/// is incomplete by then, most likely noise that looks like the beginning of a frame, is given up, and what stands
+/// behind it delivered.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the ring is empty now,
-/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
-/// `opcode` is set to 0xFF and the rest of msg is left as it was.
+/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL; sets `opcode` as
+/// `dp_recv` does.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 10)
@@ -89,9 +84,8 @@ pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut Protoco
     unsafe { next_message(data, msg, true) }
 }
 
-/// Makes an empty ring of any memory. The same as setting it to zero, and never needed for the library's safety.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
+/// Makes an empty ring of any memory, as setting it to zero does; the library's safety never needs that. Returns
+/// `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
 ///
 /// ```c
 /// struct protocol_data ring;
@@ -100,18 +94,13 @@ pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut Protoco
 #[export(dp)]
 pub unsafe extern "C" fn dp_init(data: *mut ProtocolData) -> c_int {
     // SAFETY: NULL, or memory as the rules at the head ask.
-    match unsafe { ring_of(data) } {
-        Some(ring) => {
-            ring.clear();
-            DP_RC_SUCCESS
-        }
-        None => DP_RC_ERROR_GENERIC,
-    }
+    let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC };
+    ring.clear();
+    DP_RC_SUCCESS
 }
 
-/// The library's version, e.g. "1.0.0": compare it with `DP_VERSION_STRING`, the header's. Can be called at any time.
-///
-/// Returns a string that lives as long as the program.
+/// Returns the library's version, e.g. "1.0.0", a string that lives as long as the program: compare it with the
+/// header's, `DP_VERSION_STRING`.
 ///
 /// ```c
 /// if (strcmp(dp_version(), DP_VERSION_STRING) != 0)

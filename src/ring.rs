@@ -1,22 +1,21 @@
 //! The storage of the drop-in pair: a ring of bytes whose fields C can see.
 
 use core::ffi::c_int;
-use core::mem::offset_of;
 
 use deltarobot_protocols::bytes::{Wrapped, copy_into_ring, wrap};
 use deltarobot_protocols::deltarobot::{FRAME_HEAD, FRAME_OVERHEAD, Opcode, Verdict, judge_head, judge_tail};
 
-use crate::memory::int;
+use crate::memory::{int, zero};
 
 /// A ring buffer for bytes from the wire. Its fields are never trusted: when one is out of range, it counts as empty.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Ring<const SIZE: usize> {
-    bytes: [u8; SIZE],
+    pub(crate) bytes: [u8; SIZE],
     /// Where the first unread byte is, below `SIZE`.
-    start: c_int,
+    pub(crate) start: c_int,
     /// Number of unread bytes, at most `SIZE`.
-    used: c_int,
+    pub(crate) used: c_int,
 }
 
 /// Bytes were lost for want of room.
@@ -24,17 +23,10 @@ pub(crate) struct Ring<const SIZE: usize> {
 pub(crate) struct Overflow;
 
 impl<const SIZE: usize> Ring<SIZE> {
-    /// Where its fields lie.
-    pub(crate) const OFFSETS: [usize; 3] = [offset_of!(Self, bytes), offset_of!(Self, start), offset_of!(Self, used)];
-
     /// Makes it all zero, whatever it was.
     pub(crate) fn clear(&mut self) {
-        for byte in &mut self.bytes {
-            // Volatile, or the loop would become a call of memset.
-            // SAFETY: a reference.
-            unsafe { (&raw mut *byte).write_volatile(0) };
-        }
-        (self.start, self.used) = (0, 0);
+        // SAFETY: a reference; zero is a value of each field.
+        unsafe { zero(self) };
     }
 
     /// Makes a ring whose fields are out of range an empty one.
@@ -123,12 +115,18 @@ mod tests {
     use deltarobot_protocols::deltarobot::{Verdict, judge};
 
     /// A ring as a list of bytes, and the grammar applied to it.
+    #[derive(Debug, PartialEq)]
     struct Model {
         unread: Vec<u8>,
         start: usize,
     }
 
     impl Model {
+        fn of<const SIZE: usize>(ring: &Ring<SIZE>) -> Self {
+            let (start, used) = (ring.start as u32 as usize, ring.used as u32 as usize);
+            let (start, used) = if start < SIZE && used <= SIZE { (start, used) } else { (0, 0) };
+            Self { unread: ring.bytes.iter().cycle().skip(start).take(used).copied().collect(), start }
+        }
         fn append(&mut self, input: &[u8], size: usize) -> Result<(), Overflow> {
             let fits = self.unread.len() + input.len() <= size;
             self.unread.extend_from_slice(&input[..input.len().min(size)]);
@@ -187,25 +185,17 @@ mod tests {
         let mut ring = Ring { bytes: [0x24; SIZE], start: 0, used: 0 };
         let mut model = Model { unread: Vec::new(), start: 0 };
         for step in steps {
-            match step {
-                Step::Append(input) => assert_eq!(ring.append(input), model.append(input, SIZE)),
-                Step::Next(idle) => {
-                    assert_eq!(next(&mut ring, longest, *idle), model.next(longest, *idle, SIZE));
-                }
+            match *step {
+                Step::Append(ref input) => assert_eq!(ring.append(input), model.append(input, SIZE)),
+                Step::Next(idle) => assert_eq!(next(&mut ring, longest, idle), model.next(longest, idle, SIZE)),
                 Step::Spoil(start, used) => {
-                    (ring.start, ring.used) = (*start, *used);
-                    let (start, used) = (*start as u32 as usize, *used as u32 as usize);
-                    let is_sound = start < SIZE && used <= SIZE;
-                    let (start, used) = if is_sound { (start, used) } else { (0, 0) };
-                    model.start = start;
-                    model.unread = ring.bytes.iter().cycle().skip(start).take(used).copied().collect();
+                    (ring.start, ring.used) = (start, used);
+                    model = Model::of(&ring);
                     continue;
                 }
             }
             assert_eq!((ring.start as usize, ring.used as usize), (model.start, model.unread.len()));
-            let unread: Vec<u8> =
-                ring.bytes.iter().cycle().skip(model.start).take(model.unread.len()).copied().collect();
-            assert_eq!(unread, model.unread);
+            assert_eq!(Model::of(&ring), model);
         }
     }
 

@@ -18,7 +18,7 @@ use deltarobot_export::export;
 
 use super::memory::{bytes_of, int, room_of, string_of};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS};
-use crate::port::{self, Failed, Line, Port};
+use crate::port::{Cause, Failed, Port, system};
 use crate::state::{Room, state};
 
 /// The system has reported an error: `dp_serial_error` says which.
@@ -49,26 +49,14 @@ state!(Serial: Port);
 pub struct Settings {
     /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
     pub baud: c_ulong,
-    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored
-    /// where there is no such line, as in a pseudo-terminal.
-    ///
-    /// Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
-    /// that shall not be reset has to be closed with `keep_lines` the time before.
+    /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, on. Ignored where there is
+    /// no such line. Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to
+    /// off: a board that shall not be reset has to be closed with `keep_lines` the time before.
     pub dtr: c_int,
     /// RTS after opening, likewise. Both change at once.
     pub rts: c_int,
-    /// Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
-    /// Windows always drops them.
+    /// Not 0: closing leaves DTR and RTS as they are, for later programs too (`stty -hupcl`). Windows drops them.
     pub keep_lines: c_int,
-}
-
-impl From<Settings> for port::Settings {
-    fn from(settings: Settings) -> Self {
-        let Settings { baud, dtr, rts, keep_lines } = settings;
-        let level = |line: c_int| (line != 0).then_some(line > 0);
-        let baud = if baud == 0 { DP_SERIAL_BAUD } else { baud };
-        Self { baud, dtr: level(dtr), rts: level(rts), keep_lines: keep_lines != 0 }
-    }
 }
 
 /// Opens a serial port or pseudo-terminal: 8 data bits, no parity, one stop bit, no flow control, bytes as they are.
@@ -76,27 +64,23 @@ impl From<Settings> for port::Settings {
 /// device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
 /// near to (2 %), 0 for `DP_SERIAL_BAUD`. It waits for no carrier. As long as it is open, nobody else can open the
 /// device by this function or, unless as root or if it is a pseudo-terminal, otherwise. What was received before is
-/// discarded.
-///
-/// device is NULL or a string. An open port must be closed first: else its file descriptor is lost.
+/// discarded. An open port must be closed first: else its file descriptor is lost.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
 /// is NULL. Unless it succeeded, the port is closed.
 ///
 /// ```c
-/// struct dp_serial port;
 /// if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
 ///     fprintf(stderr, "%s\n", dp_serial_error(&port));
 /// ```
 #[export]
 pub unsafe extern "C" fn dp_serial_open(serial: *mut Serial, device: *const c_char, baud: c_ulong) -> c_int {
+    let settings = Settings { baud, ..Settings::default() };
     // SAFETY: the caller promises the same of these pointers.
-    unsafe { open(serial, device, Settings { baud, ..Settings::default() }) }
+    unsafe { dp_serial_open_with(serial, device, &raw const settings) }
 }
 
 /// Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
-///
-/// Returns what `dp_serial_open` does.
 ///
 /// ```c
 /// struct dp_serial_settings settings = {0};
@@ -110,19 +94,15 @@ pub unsafe extern "C" fn dp_serial_open_with(
     device: *const c_char,
     settings: *const Settings,
 ) -> c_int {
-    // SAFETY: settings are NULL or whole; the rest as above.
-    unsafe { open(serial, device, settings.as_ref().copied().unwrap_or_default()) }
-}
-
-/// # Safety
-///
-/// As for `dp_serial_open`.
-unsafe fn open(serial: *mut Serial, device: *const c_char, settings: Settings) -> c_int {
-    // SAFETY: serial is NULL or writable; what it held is overwritten.
-    let Some(port) = (unsafe { Serial::init(serial) }) else { return DP_RC_ERROR_GENERIC };
+    // SAFETY: serial is NULL or writable, what it held is overwritten; settings are NULL or whole.
+    let (port, settings) = unsafe { (Serial::init(serial), settings.as_ref()) };
     // SAFETY: device is NULL or a string.
-    let Some(device) = (unsafe { string_of(device) }) else { return DP_RC_ERROR_GENERIC };
-    code(port.open(device, &settings.into()))
+    let (Some(port), Some(device)) = (port, unsafe { string_of(device) }) else { return DP_RC_ERROR_GENERIC };
+    let mut settings = settings.copied().unwrap_or_default();
+    if settings.baud == 0 {
+        settings.baud = DP_SERIAL_BAUD;
+    }
+    code(port.open(device, &settings))
 }
 
 /// Reads what has come, at most cap bytes. When nothing has, waits for it up to `timeout_ms` milliseconds (for ever if
@@ -146,13 +126,12 @@ pub unsafe extern "C" fn dp_serial_read(
 ) -> c_int {
     // SAFETY: serial is NULL or whole, and buf NULL or writable for cap bytes.
     match unsafe { (opened(serial), room_of(buf, cap)) } {
-        (Some(port), Some(out)) => count(port.read(out, timeout_ms).map(<[u8]>::len)),
+        (Some(port), Some(out)) => count(port.run(|handle| system::read(handle, out, timeout_ms))),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
 
-/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't
-/// end it.
+/// Writes all bytes, waiting for room up to `timeout_ms` milliseconds in all, for ever if negative, signals or not.
 ///
 /// Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
 /// has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
@@ -172,7 +151,7 @@ pub unsafe extern "C" fn dp_serial_write(
 ) -> c_int {
     // SAFETY: serial is NULL or whole, and buf NULL or readable for that many bytes.
     match unsafe { (opened(serial), bytes_of(buf, bytes)) } {
-        (Some(port), Some(input)) => count(port.write(input, timeout_ms)),
+        (Some(port), Some(input)) => count(port.run(|handle| system::write(handle, input, timeout_ms))),
         _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
     }
 }
@@ -195,7 +174,7 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
     }
 }
 
-/// Waits until all that was written was sent, however long that takes. Signals don't end it.
+/// Waits until all that was written was sent, however long that takes, signals or not.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
 /// NULL or closed.
@@ -208,12 +187,10 @@ pub unsafe extern "C" fn dp_serial_send(buf: *mut c_void, bytes: c_int, usr: *mu
 #[export]
 pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.drain()))
+    run(unsafe { opened(serial) }, system::drain)
 }
 
-/// Discards what was received and not read.
-///
-/// Returns what `dp_serial_drain` does.
+/// Discards what was received and not read. Returns what `dp_serial_drain` does.
 ///
 /// ```c
 /// if (dp_serial_discard(&port) == DP_RC_SUCCESS)
@@ -222,7 +199,7 @@ pub unsafe extern "C" fn dp_serial_drain(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.discard()))
+    run(unsafe { opened(serial) }, system::discard)
 }
 
 /// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
@@ -238,12 +215,10 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
 #[export]
 pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Dtr, on > 0)))
+    run(unsafe { opened(serial) }, |handle| system::set_line(handle, system::DTR, on > 0))
 }
 
 /// Sets RTS, as `dp_serial_set_dtr` sets DTR.
-///
-/// Returns what `dp_serial_set_dtr` does.
 ///
 /// ```c
 /// dp_serial_set_rts(&port, DP_SERIAL_OFF);
@@ -251,12 +226,11 @@ pub unsafe extern "C" fn dp_serial_set_dtr(serial: *mut Serial, on: c_int) -> c_
 #[export]
 pub unsafe extern "C" fn dp_serial_set_rts(serial: *mut Serial, on: c_int) -> c_int {
     // SAFETY: serial is NULL or whole.
-    unsafe { opened(serial) }.map_or(DP_RC_ERROR_GENERIC, |port| code(port.set_line(Line::Rts, on > 0)))
+    run(unsafe { opened(serial) }, |handle| system::set_line(handle, system::RTS, on > 0))
 }
 
-/// The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
-///
-/// Returns it, or -1 when serial is NULL or closed.
+/// Returns the file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2), in Windows the `HANDLE` as an
+/// int; or -1 when serial is NULL or closed.
 ///
 /// ```c
 /// int fd = dp_serial_handle(&port);
@@ -267,9 +241,7 @@ pub unsafe extern "C" fn dp_serial_handle(serial: *const Serial) -> c_int {
     unsafe { Serial::peek(serial) }.and_then(Port::handle).unwrap_or(-1)
 }
 
-/// Closes it. What was written is still sent.
-///
-/// Returns `DP_RC_SUCCESS`, also when it was closed, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+/// Closes it, if it is open. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` for NULL.
 ///
 /// ```c
 /// dp_serial_drain(&port);
@@ -283,10 +255,8 @@ pub unsafe extern "C" fn dp_serial_close(serial: *mut Serial) -> c_int {
     DP_RC_SUCCESS
 }
 
-/// The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
-///
-/// Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial
-/// is NULL.
+/// Returns the device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`: a
+/// string that lives and changes with the port, empty when nothing did since it was opened or serial is NULL.
 ///
 /// ```c
 /// if (dp_serial_read(&port, in, sizeof in, 100) < 0)
@@ -305,14 +275,15 @@ pub unsafe extern "C" fn dp_serial_error(serial: *const Serial) -> *const c_char
 /// As for `dp_serial_read`.
 unsafe fn opened<'a>(serial: *mut Serial) -> Option<&'a mut Port> {
     // SAFETY: serial is NULL or whole, and this call's alone.
-    unsafe { Serial::get(serial) }.filter(|port| port.is_open())
+    unsafe { Serial::get(serial) }.filter(|port| port.handle().is_some())
+}
+
+fn run(port: Option<&mut Port>, operation: impl FnOnce(c_int) -> Result<(), Cause>) -> c_int {
+    port.map_or(DP_RC_ERROR_GENERIC, |port| code(port.run(operation)))
 }
 
 fn code(result: Result<(), Failed>) -> c_int {
-    match result {
-        Ok(()) => DP_RC_SUCCESS,
-        Err(Failed) => DP_RC_DEVICE,
-    }
+    if result.is_ok() { DP_RC_SUCCESS } else { DP_RC_DEVICE }
 }
 
 fn count(result: Result<usize, Failed>) -> c_int {

@@ -6,18 +6,12 @@
 include!(concat!(env!("OUT_DIR"), "/sizes.rs"));
 
 // One by one: a build that is refused says all that is wrong.
-const _: () = assert!(
-    1 <= DP_DATA_MAX_SIZE && DP_DATA_MAX_SIZE <= 255,
-    "DP_DATA_MAX_SIZE must be between 1 and 255: the length field of a frame is one byte"
-);
+const _: () = assert!(1 <= DP_DATA_MAX_SIZE && DP_DATA_MAX_SIZE <= 255, "DP_DATA_MAX_SIZE must be between 1 and 255");
 const _: () = assert!(
     DP_BUFSIZE >= DP_DATA_MAX_SIZE + 5,
     "DP_BUFSIZE is too small: the ring must hold one maximal frame, DP_DATA_MAX_SIZE + 5 bytes"
 );
-const _: () = assert!(
-    DP_BUFSIZE as u128 <= core::ffi::c_int::MAX as u128,
-    "DP_BUFSIZE is too large: it must fit the target's int"
-);
+const _: () = assert!(DP_BUFSIZE as u128 <= core::ffi::c_int::MAX as u128, "DP_BUFSIZE is too large for an int");
 const _: () = assert!(
     63 <= OLP_LINE_MAX && OLP_LINE_MAX <= 32_000,
     "OLP_LINE_MAX must be between 63, the longest command, and 32000: a 16-bit int must hold it"

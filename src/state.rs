@@ -2,6 +2,8 @@
 
 use core::ffi::c_ulong;
 
+use crate::memory::zero;
+
 /// What rooms consist of whose states hold pointers: in 64-bit Windows these are larger than a C `long`.
 #[cfg(all(windows, target_pointer_width = "64"))]
 pub(crate) type Word = usize;
@@ -41,8 +43,7 @@ pub(crate) unsafe trait Room: Sized {
         unsafe { room.cast::<Self::State>().as_ref() }
     }
 
-    /// Makes any memory a new state, or returns `None` for NULL. By volatile writes, or they would become a call of
-    /// memset, which nobody may have.
+    /// Makes any memory a new state, or returns `None` for NULL.
     ///
     /// # Safety
     ///
@@ -51,12 +52,11 @@ pub(crate) unsafe trait Room: Sized {
         if room.is_null() {
             return None;
         }
-        for word in 0..const { size_of::<Self>() / size_of::<c_ulong>() } {
-            // SAFETY: the object consists of so many words.
-            unsafe { room.cast::<c_ulong>().add(word).write_volatile(0) };
-        }
         // SAFETY: the same contract.
-        unsafe { Self::get(room) }
+        unsafe {
+            zero(room);
+            Self::get(room)
+        }
     }
 }
 
@@ -66,7 +66,6 @@ macro_rules! state {
         const _: () = {
             assert!(size_of::<$state>() <= size_of::<$room>(), "the room is too small for its state");
             assert!(align_of::<$state>() <= align_of::<$room>(), "the room is not aligned for its state");
-            assert!(size_of::<$room>().is_multiple_of(size_of::<core::ffi::c_ulong>()), "the room consists of words");
         };
         // SAFETY: asserted above.
         unsafe impl $crate::state::Room for $room {

@@ -1,7 +1,6 @@
 /**
  * @file
- * libdeltarobot/controller.h: the controller's end of the link, for firmware: takes requests, has them carried out,
- * answers them.
+ * libdeltarobot/controller.h: the controller's end of the link, for firmware: has requests carried out and answered.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/controller.rs by `make header`.
@@ -26,12 +25,8 @@ LIBDELTAROBOT_NOT_PACKED(controller);
 extern "C" {
 #endif
 
-/**
- * Homing and moving are refused while another operation is going on. Without this flag the new one takes the old one's
- * place, as in shipped firmware.
- */
+/** Refuses homing and moving during an operation. Without it they take that one's place, as in shipped firmware. */
 #define DP_CONTROLLER_REFUSE_BUSY 1
-
 /** The end of homing and of a move is reported by `h` and `m` (specification), besides the status report. */
 #define DP_CONTROLLER_REPORT_END 2
 /** An error during an operation is reported by `e` (specification), besides the status report. */
@@ -39,17 +34,13 @@ extern "C" {
 /** Words of a controller's room. */
 #define DP_CONTROLLER_WORDS ((DP_DATA_MAX_SIZE / 4) + 13)
 
-/**
- * A controller. It keeps pointers, so its contents have to be those of `dp_controller_init`, or all zero: such a one
- * does nothing.
- */
+/** A controller. As it keeps pointers, it has to be made by `dp_controller_init`, or all zero, which does nothing. */
 struct dp_controller {
   LIBDELTAROBOT_WORD opaque[DP_CONTROLLER_WORDS];
 };
 
 /**
- * Begins to home. Returns 0, or anything else to refuse. From its return until the end, the state that is read is
- * `DP_STATUS_HOMING`.
+ * Begins to home. Returns 0, or anything else to refuse. From then until the end, the state is `DP_STATUS_HOMING`.
  *
  * ```c
  * int start_homing(void *usr)
@@ -61,8 +52,8 @@ struct dp_controller {
 typedef int (*dp_controller_home_func_t)(void *usr);
 
 /**
- * Begins to move to target, which is free of NaNs. Returns 0, or anything else to refuse. From its return until the
- * end, the state that is read is `DP_STATUS_MOVING`. target is gone when the function returns.
+ * Begins to move to target, which is free of NaNs, and gone when the function returns. Returns 0, or anything else to
+ * refuse. From then until the end, the state is `DP_STATUS_MOVING`.
  *
  * ```c
  * int start_move(const struct protocol_msg_position *target, void *usr)
@@ -98,10 +89,7 @@ typedef int (*dp_controller_cancel_func_t)(void *usr);
  */
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
-/**
- * The firmware's own functions. Each is given usr. What `home`, `move` or `cancel` would do is refused where they are
- * NULL; `read` and `send` are needed.
- */
+/** The firmware's own functions. `read` and `send` are needed; what one that is NULL would do is refused. */
 struct dp_controller_calls {
   /** Begins to home. */
   dp_controller_home_func_t home;
@@ -118,13 +106,11 @@ struct dp_controller_calls {
 /**
  * Makes a controller of any memory.
  *
- * layout says how status reports are laid out, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With
- * 0 for both, it answers like shipped firmware. calls' functions can be called with usr; calls stays there as long as
- * the controller is used.
+ * layout is that of status reports, `DP_LAYOUT_*` (`payload.h`); flags is a sum of `DP_CONTROLLER_*`. With 0 for both,
+ * it answers like shipped firmware. calls' functions are given usr; calls stays there as long as the controller.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
- * the layout is none of these, or `DP_DATA_MAX_SIZE` is below the 16 bytes of a status report (13 for
- * `DP_LAYOUT_SPEC`).
+ * the layout is none of these, or `DP_DATA_MAX_SIZE` is below 16, a status report (13 for `DP_LAYOUT_SPEC`).
  *
  * ```c
  * static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
@@ -136,12 +122,10 @@ int dp_controller_init(struct dp_controller *controller, const struct dp_control
     int flags) DP_SIZED("dp_controller_init");
 
 /**
- * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
- * a queue of the firmware's own.
+ * Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
  *
- * Returns how many were taken: all, or as many as there is room for until `dp_controller_poll` has nothing to do; give
- * it the rest then. Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and
- * bytes is not 0.
+ * Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
+ * Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in), taken = 0;
@@ -156,10 +140,10 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
     DP_SIZED("dp_controller_receive");
 
 /**
- * Does one thing: reports the end of the operation, or answers one request. To be called in the firmware's main loop.
+ * Does one thing, in the firmware's main loop: reports the end of the operation, or answers one request.
  *
- * Returns `DP_RC_SUCCESS` when something was done, `DP_RC_NO_FRAME` when there was nothing to do, or
- * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
+ * NULL or was not made by `dp_controller_init`.
  *
  * ```c
  * while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
@@ -169,8 +153,8 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
 int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller_poll");
 
 /**
- * Like `dp_controller_poll` when the line has been quiet for longer than a frame takes: incomplete frames, which would
- * be waited for until enough bytes have come, are given up (see `dp_recv_idle`).
+ * Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
+ * up, as by `dp_recv_idle`.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)
@@ -180,9 +164,8 @@ int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller
 int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED("dp_controller_poll_idle");
 
 /**
- * Sends a status report unasked. Shipped firmware does so at each encoder step of a move.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
+ * Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
  *
  * ```c
  * if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())

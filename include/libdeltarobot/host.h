@@ -92,16 +92,13 @@ struct dp_host {
   unsigned long opaque[DP_HOST_WORDS];
 };
 
-/**
- * Settings of a session, times in milliseconds. 0 stands for the default everywhere; times are at most 2147483647 ms
- * (24 days).
- */
+/** Settings of a session, times in milliseconds up to 2147483647 (24 days). 0 stands for the default everywhere. */
 struct dp_host_settings {
   /** How long an answer is waited for before the request is retransmitted; by default 250. */
   unsigned long ack_ms;
   /**
-   * The longest time from sending a request to its answer's arrival, however late: what has not come by then is
-   * lost. Nothing that came sooner is taken for the answer to a later request. By default 500.
+   * The longest time from sending a request to its answer's arrival: what has not come by then is lost, and what
+   * comes sooner is not taken for the answer to a later request. By default 500.
    */
   unsigned long guard_ms;
   /**
@@ -117,10 +114,7 @@ struct dp_host_settings {
   unsigned long operation_ms;
   /** An incomplete frame is given up when the line was quiet for this long; by default 50. */
   unsigned long gap_ms;
-  /**
-   * How far each arm may be from the target of a move that is reported as finished by IDLE, in the units of the
-   * displacement; by default 0.25, twice what shipped firmware allows itself.
-   */
+  /** How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's. */
   float tolerance;
   /** How often a request is sent altogether before it has timed out, 1 to 255; by default 4. */
   int attempts;
@@ -128,10 +122,7 @@ struct dp_host_settings {
   int layout;
   /** Not 0: each received message is an event. */
   int messages;
-  /**
-   * Not 0: the line may deliver a frame twice, as some radio links do (a serial line does not). Each operation then
-   * waits until the guard time of the last one is over, even when that ended well before.
-   */
+  /** Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep `guard_ms` apart. */
   int duplicates;
 };
 
@@ -139,10 +130,7 @@ struct dp_host_settings {
 struct dp_host_event {
   /** What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`. */
   int kind;
-  /**
-   * Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
-   * `STATUS`.
-   */
+  /** Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`. */
   unsigned char opcode;
   /** Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others. */
   int outcome;
@@ -225,8 +213,7 @@ int dp_host_move(struct dp_host *host, const struct protocol_msg_position *targe
  * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
  * the operation when the platform stands. Without an operation it is requested all the same.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while this is being requested already, or `DP_RC_ERROR_GENERIC` when host is
- * NULL.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * if (stop_is_pressed())
@@ -238,8 +225,7 @@ int dp_host_cancel(struct dp_host *host) DP_SIZED("dp_host_cancel");
 /**
  * Requests a status report. It ends with the next report that is received.
  *
- * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested already, or `DP_RC_ERROR_GENERIC` when host is
- * NULL.
+ * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
@@ -251,14 +237,12 @@ int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
 /**
  * Takes received bytes; `now_ms` is when they came.
  *
- * Returns how many were taken: all, or as many as there is room for until `dp_host_poll` has no more events; give it
- * the rest then. Returns -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not
- * 0.
+ * Returns how many were taken: all, or as many as fit. The rest fits when `dp_host_poll` has no more events. Returns
+ * -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_events(&host))
- *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
+ * for (int taken = 0; taken < length; handle_events(&host))
+ *     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
  * ```
  */
 int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED("dp_host_receive");
@@ -280,14 +264,12 @@ int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned l
 int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED("dp_host_poll");
 
 /**
- * Fetches the bytes to send: whole frames, at most `DP_HOST_OUTPUT_MAX` bytes at a time; `now_ms` is when they leave.
- * To be called after `dp_host_poll`.
+ * Fetches what is to be sent after `dp_host_poll`: whole frames, `DP_HOST_OUTPUT_MAX` bytes at most, sent at `now_ms`.
  *
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
  * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * char out[DP_HOST_OUTPUT_MAX];
  * int length = dp_host_output(&host, out, sizeof out, now_ms());
  * if (length > 0)
  *     uart_write(&uart, out, length);
@@ -296,10 +278,8 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
 int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED("dp_host_output");
 
 /**
- * How long `dp_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
- * the output was fetched: what it returns is then what poll(2) takes as timeout.
- *
- * Returns milliseconds, 0 or more, or -1 when it need not be called at all or host is NULL.
+ * Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
+ * them: -1 when not at all, or host is NULL. Ask when events and output were fetched.
  *
  * ```c
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
@@ -308,9 +288,7 @@ int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_m
 long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_SIZED("dp_host_next_deadline");
 
 /**
- * Whether an operation is going on.
- *
- * Returns 1, or 0, also when host is NULL.
+ * Whether an operation is going on: 1, or 0, also when host is NULL.
  *
  * ```c
  * if (!dp_host_busy(&host))
@@ -320,9 +298,7 @@ long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_
 int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
 
 /**
- * Copies the statistics.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies the statistics. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct dp_host_health health;

@@ -10,8 +10,6 @@
  * struct dp_robot_configuration configuration = {
  *     { 0.12f, 0.0f, 0.10f }, { 0.38f, 0.0f, 0.25f }, { 0.12f, 0.0f, 0.40f }, 0.15f, 0.08f
  * };
- * float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
- * dp_kinematics_inverse(&configuration, pose, lengths);
  * ```
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.

@@ -32,40 +32,27 @@ extern "C" {
 
 /**
  * Reading a status report: one of more than 13 bytes has the floats first. 13 bytes may be either layout (firmware
- * like the shipped one sends so many on AVR); the reading counts in which more is plausible:
- *
- * - STAT, when its reserved bits (5 to 7) are alike: all 0 or all 1;
- * - each float that is zero or of a magnitude from 1.1e-19 to 3.6e19;
- * - twice as much, each that is unknown: 0x7F800001 or 0x7FC00000, with either sign.
- *
- * Of equal ones it is floats first. A session of `host.h` takes the layout of the last report that was clear (of 14
- * bytes or more, or better by two), unless this one is clear too.
- *
+ * like the shipped one sends so many on AVR); the reading counts in which more is plausible: STAT, when its reserved
+ * bits (5 to 7) are alike; each float that is zero or of a magnitude from 1.1e-19 to 3.6e19; and twice as much each
+ * that is unknown, 0x7F800001 or 0x7FC00000 with either sign. Of equal ones it is floats first. A session of `host.h`
+ * takes the layout of the last report that was clear (of 14 bytes or more, or better by two), unless this one is too.
  * Writing one: as `DP_LAYOUT_FIRMWARE`.
  */
 #define DP_LAYOUT_AUTO 0
 
 /** Status reports as in specification v1.0: STAT, DA, DB, DC; exactly 13 bytes. */
 #define DP_LAYOUT_SPEC 1
-
-/**
- * Status reports as shipped firmware sends them: DA, DB, DC, STAT and 3 bytes of padding, written as zero. Any length
- * from 13 on is read.
- */
+/** Status reports as shipped firmware sends them: DA, DB, DC, STAT, 3 bytes, written as 0; read from 13 bytes on. */
 #define DP_LAYOUT_FIRMWARE 2
-
 /** Size of a buffer that the text of any message fits in. */
 #define DP_MSG_TEXT_MAX 96
 
 /**
- * Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL` or
- * `GENERAL_ERR`.
+ * Builds a message without payload: `DP_OPCODE_HOMING`, `STATUS`, `CANCEL`, `HOMING_REPL`, `MOVE_REPL`, `GENERAL_ERR`.
  *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL or messages of that opcode have a payload: msg is
- * left as it was.
+ * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` and leaves msg alone when it is NULL or opcode none of these.
  *
  * ```c
- * struct protocol_msg msg;
  * if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
  *     dp_send(&msg, uart_send, &uart);
  * ```
@@ -73,9 +60,8 @@ extern "C" {
 int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build");
 
 /**
- * Builds an acknowledgement of the request with the opcode answered, which is not checked.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ * Builds an acknowledgement of the request with the opcode answered, which is not checked. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
  * ```c
  * struct protocol_msg answer;
@@ -86,9 +72,7 @@ int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build"
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
 
 /**
- * Builds a refusal of the request with the opcode answered, which is not checked.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when msg is NULL.
+ * Builds a refusal, as `dp_build_ack` builds an acknowledgement.
  *
  * ```c
  * struct protocol_msg answer;
@@ -99,10 +83,8 @@ int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
 
 /**
- * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL or `DP_DATA_MAX_SIZE` is below 12: msg is
- * left as it was.
+ * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC` and leaves msg alone when a pointer is NULL or `DP_DATA_MAX_SIZE` below 12.
  *
  * ```c
  * const struct protocol_msg_position target = {1, 2, -3.5f};
@@ -113,8 +95,7 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp
 int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED("dp_build_move");
 
 /**
- * Builds a status report in a layout, `DP_LAYOUT_*`. The floats are copied bit by bit; reserved bits of STAT become
- * zero.
+ * Builds a status report in a layout, `DP_LAYOUT_*`. Floats are copied bit by bit, reserved bits of STAT cleared.
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
  * `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.
@@ -129,9 +110,8 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
     DP_SIZED("dp_build_status_report");
 
 /**
- * Whether a message is one of the specification's: a known opcode, and a payload of the length that it asks for.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
+ * Whether a message is one of the specification's, with a known opcode and a payload of its length. Returns
+ * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
  *
  * ```c
  * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
@@ -142,10 +122,8 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
 int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 
 /**
- * Reads from an ack or a nack which opcode it answers.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left as it was, when msg is neither or not 1 byte long,
- * or a pointer is NULL.
+ * Reads from an ack or a nack which opcode it answers. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left
+ * as it was, when msg is neither or not 1 byte long, or a pointer is NULL.
  *
  * ```c
  * unsigned char answered;
@@ -156,10 +134,8 @@ int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
 int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED("dp_read_answer");
 
 /**
- * Reads from a request to move where to. The floats are copied bit by bit and may be NaNs.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12
- * bytes long, or a pointer is NULL.
+ * Reads from a request to move where to; the floats, copied bit by bit, may be NaNs. Returns `DP_RC_SUCCESS`, or
+ * `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a pointer is NULL.
  *
  * ```c
  * struct protocol_msg_position target;
@@ -186,10 +162,8 @@ int dp_read_status_report(const struct protocol_msg *msg, int layout, struct pro
     DP_SIZED("dp_read_status_report");
 
 /**
- * The name of an opcode for logs: `ACK`, `NACK`, `HOMING!`, `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`,
- * `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR`, or `UNKNOWN_OPCODE`. Can be called at any time.
- *
- * Returns a string that lives as long as the program.
+ * Returns the name of an opcode for logs, a string that lives as long as the program: `ACK`, `NACK`, `HOMING!`,
+ * `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR` or `UNKNOWN_OPCODE`.
  *
  * ```c
  * printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
@@ -201,9 +175,8 @@ const char *dp_opcode_name(unsigned char opcode);
  * Writes a message as a line of text without a line's end, such as `STATUS_REPLY: IDLE  DA=0  DB=0  DC=-3.5 STP_A`.
  *
  * snprintf's rules: of a text that does not fit, as much as does is written, always a zero byte behind it; with cap 0
- * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes
- * them, and C++ streams by default. Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not
- * shown.
+ * nothing is written and buf may be NULL. No text reaches `DP_MSG_TEXT_MAX`. Numbers are written as `%g` writes them.
+ * Status reports are read as `DP_LAYOUT_AUTO`; a payload of the wrong length is not shown.
  *
  * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
  * negative, or buf is NULL and cap is not 0.

@@ -93,8 +93,7 @@ extern "C" {
 /**
  * A ring buffer for bytes from the wire; all zero is an empty one.
  *
- * The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
- * empty, so an uninitialised one does no harm.
+ * The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
  */
 struct protocol_data {
   /** Storage of the ring. */
@@ -130,10 +129,7 @@ struct protocol_msg {
  */
 typedef int (*send_func_t)(void *buf, int bytes, void *usr);
 
-/**
- * The payload of a status report as the shipped firmware lays it out: 16 bytes with the padding behind STAT.
- * Displacements are in the firmware's own unit: the specification names none.
- */
+/** The payload of a status report of shipped firmware: 16 bytes with the padding, displacements in its own unit. */
 struct protocol_msg_status_report {
   /** Displacement of arm A; a NaN when unknown. */
   float DA;
@@ -158,11 +154,8 @@ struct protocol_msg_position {
 /**
  * Adds received bytes at the ring's end.
  *
- * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are
- * taken. A ring whose fields are out of range counts as empty.
- *
- * Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
- * own.
+ * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
+ * An interrupt that may come during another call on the ring puts them into a queue of the program's own.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
@@ -178,12 +171,11 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_pr
 /**
  * Takes the next message out of the ring.
  *
- * An incomplete frame at the ring's start is waited for, whatever stands behind it; bytes that can't be part
- * of a frame are thrown away.
+ * An incomplete frame at the ring's start is waited for; bytes that can't be part of a frame are thrown away.
  *
  * Returns `DP_RC_SUCCESS` and the message, `DP_RC_NO_FRAME` when more bytes are needed, `DP_RC_GARBAGE` when more are
- * needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, `opcode`
- * is set to 0xFF and the rest of msg is left as it was.
+ * needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, only `opcode`
+ * is set, to 0xFF.
  *
  * ```c
  * struct protocol_msg msg;
@@ -194,15 +186,12 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_pr
 int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv");
 
 /**
- * Sends a message: calls sendfunc once, with the whole frame and usr.
- *
- * The opcode is not checked.
+ * Sends a message, whose opcode is not checked: calls sendfunc once, with the whole frame and usr.
  *
  * Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
  * is outside 0 to `DP_DATA_MAX_SIZE`.
  *
  * ```c
- * struct protocol_msg msg;
  * msg.opcode = DP_OPCODE_HOMING;
  * msg.data_s = 0;
  * dp_send(&msg, uart_send, &uart);

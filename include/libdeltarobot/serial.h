@@ -54,19 +54,14 @@ struct dp_serial_settings {
   /** Speed in baud, 0 for `DP_SERIAL_BAUD`. */
   unsigned long baud;
   /**
-   * DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, which is on. Ignored
-   * where there is no such line, as in a pseudo-terminal.
-   *
-   * Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to off: a board
-   * that shall not be reset has to be closed with `keep_lines` the time before.
+   * DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, on. Ignored where there is
+   * no such line. Many boards reset when DTR or RTS rises. On Unix, opening raises both before they can be set to
+   * off: a board that shall not be reset has to be closed with `keep_lines` the time before.
    */
   int dtr;
   /** RTS after opening, likewise. Both change at once. */
   int rts;
-  /**
-   * Not 0: closing leaves DTR and RTS as they are (`stty -hupcl`), also for programs that open the port later.
-   * Windows always drops them.
-   */
+  /** Not 0: closing leaves DTR and RTS as they are, for later programs too (`stty -hupcl`). Windows drops them. */
   int keep_lines;
 };
 
@@ -76,15 +71,12 @@ struct dp_serial_settings {
  * device is its name, such as `/dev/ttyUSB0` or, in Windows, `COM5`. baud is the speed, any that the hardware gets
  * near to (2 %), 0 for `DP_SERIAL_BAUD`. It waits for no carrier. As long as it is open, nobody else can open the
  * device by this function or, unless as root or if it is a pseudo-terminal, otherwise. What was received before is
- * discarded.
- *
- * device is NULL or a string. An open port must be closed first: else its file descriptor is lost.
+ * discarded. An open port must be closed first: else its file descriptor is lost.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
  * is NULL. Unless it succeeded, the port is closed.
  *
  * ```c
- * struct dp_serial port;
  * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
  *     fprintf(stderr, "%s\n", dp_serial_error(&port));
  * ```
@@ -93,8 +85,6 @@ int dp_serial_open(struct dp_serial *serial, const char *device, unsigned long b
 
 /**
  * Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
- *
- * Returns what `dp_serial_open` does.
  *
  * ```c
  * struct dp_serial_settings settings = {0};
@@ -122,8 +112,7 @@ int dp_serial_open_with(struct dp_serial *serial, const char *device, const stru
 int dp_serial_read(struct dp_serial *serial, void *buf, int cap, long timeout_ms);
 
 /**
- * Writes all bytes, waiting for room up to `timeout_ms` milliseconds altogether (for ever if negative). Signals don't
- * end it.
+ * Writes all bytes, waiting for room up to `timeout_ms` milliseconds in all, for ever if negative, signals or not.
  *
  * Returns how many bytes were written, fewer than all when the time was over first; -`DP_RC_DEVICE` when the device
  * has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
@@ -151,7 +140,7 @@ int dp_serial_write(struct dp_serial *serial, const void *buf, int bytes, long t
 int dp_serial_send(void *buf, int bytes, void *usr);
 
 /**
- * Waits until all that was written was sent, however long that takes. Signals don't end it.
+ * Waits until all that was written was sent, however long that takes, signals or not.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
  * NULL or closed.
@@ -165,9 +154,7 @@ int dp_serial_send(void *buf, int bytes, void *usr);
 int dp_serial_drain(struct dp_serial *serial);
 
 /**
- * Discards what was received and not read.
- *
- * Returns what `dp_serial_drain` does.
+ * Discards what was received and not read. Returns what `dp_serial_drain` does.
  *
  * ```c
  * if (dp_serial_discard(&port) == DP_RC_SUCCESS)
@@ -193,8 +180,6 @@ int dp_serial_set_dtr(struct dp_serial *serial, int on);
 /**
  * Sets RTS, as `dp_serial_set_dtr` sets DTR.
  *
- * Returns what `dp_serial_set_dtr` does.
- *
  * ```c
  * dp_serial_set_rts(&port, DP_SERIAL_OFF);
  * ```
@@ -202,9 +187,8 @@ int dp_serial_set_dtr(struct dp_serial *serial, int on);
 int dp_serial_set_rts(struct dp_serial *serial, int on);
 
 /**
- * The file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2). In Windows the `HANDLE`, as an int.
- *
- * Returns it, or -1 when serial is NULL or closed.
+ * Returns the file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2), in Windows the `HANDLE` as an
+ * int; or -1 when serial is NULL or closed.
  *
  * ```c
  * int fd = dp_serial_handle(&port);
@@ -213,9 +197,7 @@ int dp_serial_set_rts(struct dp_serial *serial, int on);
 int dp_serial_handle(const struct dp_serial *serial);
 
 /**
- * Closes it. What was written is still sent.
- *
- * Returns `DP_RC_SUCCESS`, also when it was closed, or `DP_RC_ERROR_GENERIC` when serial is NULL.
+ * Closes it, if it is open. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` for NULL.
  *
  * ```c
  * dp_serial_drain(&port);
@@ -225,10 +207,8 @@ int dp_serial_handle(const struct dp_serial *serial);
 int dp_serial_close(struct dp_serial *serial);
 
 /**
- * The device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`.
- *
- * Returns a string that lives and changes with the port, empty when nothing went wrong since it was opened or serial
- * is NULL.
+ * Returns the device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`: a
+ * string that lives and changes with the port, empty when nothing did since it was opened or serial is NULL.
  *
  * ```c
  * if (dp_serial_read(&port, in, sizeof in, 100) < 0)

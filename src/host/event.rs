@@ -5,7 +5,7 @@ use core::ffi::{c_int, c_uchar};
 use crate::memory::int;
 use crate::payload::report_to;
 use crate::protocol::{ProtocolMsg, StatusReport};
-use deltarobot_protocols::deltarobot::host::{Event, Outcome};
+use deltarobot_protocols::deltarobot::host::Event;
 use deltarobot_protocols::deltarobot::{Opcode, Report};
 
 /// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
@@ -38,8 +38,7 @@ pub const DP_HOST_TIMED_OUT: c_int = 5;
 pub struct HostEvent {
     /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
     pub kind: c_int,
-    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request's opcode: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or
-    /// `STATUS`.
+    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
     pub opcode: c_uchar,
     /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
     pub outcome: c_int,
@@ -77,7 +76,8 @@ pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<Event>, report:
             DP_HOST_ACCEPTED
         }
         Some(Event::Ended(ended, how)) => {
-            (opcode, outcome) = (ended, outcome_of(how));
+            // The outcomes have the numbers of DP_HOST_FINISHED to DP_HOST_TIMED_OUT.
+            (opcode, outcome) = (ended, how as c_int);
             DP_HOST_ENDED
         }
     };
@@ -92,15 +92,5 @@ pub(super) unsafe fn event_to(out: *mut HostEvent, event: Option<Event>, report:
         if let Some(report) = report {
             report_to(&raw mut (*out).report, report);
         }
-    }
-}
-
-const fn outcome_of(outcome: Outcome) -> c_int {
-    match outcome {
-        Outcome::Finished => DP_HOST_FINISHED,
-        Outcome::Refused => DP_HOST_REFUSED,
-        Outcome::Failed => DP_HOST_FAILED,
-        Outcome::Cancelled => DP_HOST_CANCELLED,
-        Outcome::TimedOut => DP_HOST_TIMED_OUT,
     }
 }

@@ -1,28 +1,16 @@
 //! Terminal devices of Unix, over libc.
+#![allow(clippy::cast_sign_loss, reason = "libc gives some of ioctl's requests other types than ioctl takes")]
 
 use core::ffi::{CStr, c_char, c_int, c_long, c_short, c_ulong};
 use core::mem::MaybeUninit;
 
-use super::{Cause, Line, Settings};
+use super::{Cause, Settings};
 
 /// The system's number of an error.
 pub(super) type Error = c_int;
 
-#[cfg(not(any(target_os = "linux", target_os = "android")))]
-use c_ulong as Request;
-#[cfg(any(target_os = "linux", target_os = "android"))]
-use libc::Ioctl as Request;
-
-/// What ioctl is asked for, of one type: libc gives some of them others.
-#[allow(clippy::cast_sign_loss, clippy::unnecessary_cast, reason = "where they are of this type, and where not")]
-mod request {
-    use super::Request;
-    pub(super) const TIOCEXCL: Request = libc::TIOCEXCL as Request;
-    pub(super) const TIOCNXCL: Request = libc::TIOCNXCL as Request;
-    pub(super) const TIOCMGET: Request = libc::TIOCMGET as Request;
-    pub(super) const TIOCMSET: Request = libc::TIOCMSET as Request;
-}
-use request::{TIOCEXCL, TIOCMGET, TIOCMSET, TIOCNXCL};
+/// The outputs besides the data: data terminal ready, and request to send.
+pub(crate) use libc::{TIOCM_DTR as DTR, TIOCM_RTS as RTS};
 
 /// Opens a device for both directions. It waits for no carrier, does not become this program's controlling terminal,
 /// and is not inherited by programs that this one starts.
@@ -45,11 +33,7 @@ pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
 /// Claims a device, and only then changes it: another program may be using it.
 fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
     let Settings { baud, dtr, rts, keep_lines } = *asked;
-    if baud == 0 {
-        // To the system that means to hang up.
-        return Err(Cause::NotTaken(baud));
-    }
-    let mut settings = terminal::get(fd).map_err(|error| match error {
+    let mut settings = settings_of(fd).map_err(|error| match error {
         libc::ENOTTY | libc::EINVAL | libc::ENODEV | libc::EOPNOTSUPP => Cause::NoSerialPort,
         _ => cause_of(error),
     })?;
@@ -60,13 +44,13 @@ fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
     if lines.is_ok() {
         // Not on a pseudo-terminal: were this program killed, it would stay closed to others for as long as its other
         // end is open. SAFETY: this request takes no argument.
-        unsafe { libc::ioctl(fd, TIOCEXCL) };
+        unsafe { libc::ioctl(fd, libc::TIOCEXCL as _) };
     }
     make_raw(&mut settings);
-    if keep_lines {
+    if keep_lines != 0 {
         settings.c_cflag &= !libc::HUPCL;
     }
-    let taken = terminal::set_speed(fd, &mut settings, baud).and_then(|()| terminal::get(fd));
+    let taken = terminal::set_speed(fd, &mut settings, baud).and_then(|()| settings_of(fd));
     match taken {
         // A call succeeds when one of the settings was taken.
         Ok(now) if settings.c_cflag & FRAMING == now.c_cflag & FRAMING && terminal::has_speed(&now, baud) => Ok(()),
@@ -75,7 +59,7 @@ fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
     }
     .and_then(|()| match lines {
         // Both at once, as some boards take one of them alone for a reset.
-        Ok(before) => set_lines(fd, with(with(before, libc::TIOCM_DTR, dtr), libc::TIOCM_RTS, rts), before),
+        Ok(before) => set_lines(fd, with(with(before, DTR, dtr), RTS, rts), before),
         Err(_) => Ok(()),
     })
     .and_then(|()| discard(fd))
@@ -93,9 +77,18 @@ pub(super) fn close(fd: c_int) {
 fn release(fd: c_int) {
     // SAFETY: these take no pointer.
     unsafe {
-        libc::ioctl(fd, TIOCNXCL);
+        libc::ioctl(fd, libc::TIOCNXCL as _);
         libc::flock(fd, libc::LOCK_UN);
     }
+}
+
+/// How a terminal is set.
+fn settings_of(fd: c_int) -> Result<terminal::Settings, Error> {
+    let mut settings = MaybeUninit::uninit();
+    // SAFETY: there is room for the settings.
+    success(unsafe { terminal::get(fd, settings.as_mut_ptr()) })?;
+    // SAFETY: it succeeded, so it has written them.
+    Ok(unsafe { settings.assume_init() })
 }
 
 /// Sets everything but the speed. A read ends with the first byte.
@@ -123,15 +116,13 @@ const FRAMING: libc::tcflag_t = libc::CSIZE | libc::CSTOPB | libc::PARENB | libc
 ))]
 mod terminal {
     use super::super::is_near;
-    use super::{Error, MaybeUninit, c_int, c_ulong, success};
+    use super::{Error, c_int, c_ulong, success};
     pub(super) use libc::termios2 as Settings;
 
-    pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
-        let mut settings = MaybeUninit::<Settings>::uninit();
-        // SAFETY: this request writes one termios2, for which there is room.
-        success(unsafe { libc::ioctl(fd, libc::TCGETS2, settings.as_mut_ptr()) })?;
-        // SAFETY: it succeeded, so it has written it.
-        Ok(unsafe { settings.assume_init() })
+    /// Writes one termios2.
+    pub(super) unsafe fn get(fd: c_int, settings: *mut Settings) -> c_int {
+        // SAFETY: there is room for what this request writes.
+        unsafe { libc::ioctl(fd, libc::TCGETS2, settings) }
     }
 
     pub(super) fn set_speed(fd: c_int, settings: &mut Settings, baud: c_ulong) -> Result<(), Error> {
@@ -156,16 +147,8 @@ mod terminal {
 )))]
 mod terminal {
     use super::super::is_near;
-    use super::{Error, MaybeUninit, c_int, c_ulong, success};
-    pub(super) use libc::termios as Settings;
-
-    pub(super) fn get(fd: c_int) -> Result<Settings, Error> {
-        let mut settings = MaybeUninit::<Settings>::uninit();
-        // SAFETY: this writes one termios, for which there is room.
-        success(unsafe { libc::tcgetattr(fd, settings.as_mut_ptr()) })?;
-        // SAFETY: it succeeded, so it has written it.
-        Ok(unsafe { settings.assume_init() })
-    }
+    use super::{Error, c_int, c_ulong, success};
+    pub(super) use libc::{tcgetattr as get, termios as Settings};
 
     pub(super) fn set_speed(fd: c_int, settings: &mut Settings, baud: c_ulong) -> Result<(), Error> {
         let code = super::code(baud);
@@ -227,43 +210,40 @@ fn code(baud: c_ulong) -> Option<libc::speed_t> {
 }
 
 /// Discards what was received.
-pub(super) fn discard(fd: c_int) -> Result<(), Cause> {
+pub(crate) fn discard(fd: c_int) -> Result<(), Cause> {
     // SAFETY: tcflush takes no pointer.
     success(unsafe { libc::tcflush(fd, libc::TCIFLUSH) }).map(drop).map_err(cause_of)
 }
 
 /// Waits until all was sent.
-pub(super) fn drain(fd: c_int) -> Result<(), Cause> {
+pub(crate) fn drain(fd: c_int) -> Result<(), Cause> {
     // SAFETY: tcdrain takes no pointer.
     retry(|| unsafe { libc::tcdrain(fd) }).map(drop).map_err(cause_of)
 }
 
 /// Sets one line, and leaves the other alone.
-pub(super) fn set_line(fd: c_int, line: Line, on: bool) -> Result<(), Cause> {
-    let bit = match line {
-        Line::Dtr => libc::TIOCM_DTR,
-        Line::Rts => libc::TIOCM_RTS,
-    };
+pub(crate) fn set_line(fd: c_int, line: c_int, on: bool) -> Result<(), Cause> {
     let before = lines(fd).map_err(|error| match error {
         libc::ENOTTY | libc::EINVAL => Cause::NoLines,
         _ => cause_of(error),
     })?;
-    set_lines(fd, with(before, bit, Some(on)), before)
+    set_lines(fd, with(before, line, if on { 1 } else { -1 }), before)
 }
 
 /// The lines as they are; an error on what has none, such as a pseudo-terminal.
 fn lines(fd: c_int) -> Result<c_int, Error> {
     let mut lines: c_int = 0;
     // SAFETY: this request writes one int.
-    success(unsafe { libc::ioctl(fd, TIOCMGET, &raw mut lines) })?;
+    success(unsafe { libc::ioctl(fd, libc::TIOCMGET as _, &raw mut lines) })?;
     Ok(lines)
 }
 
-const fn with(lines: c_int, bit: c_int, on: Option<bool>) -> c_int {
+/// These lines, of which one is set as [`Settings`] say.
+const fn with(lines: c_int, line: c_int, on: c_int) -> c_int {
     match on {
-        None => lines,
-        Some(true) => lines | bit,
-        Some(false) => lines & !bit,
+        0 => lines,
+        1.. => lines | line,
+        _ => lines & !line,
     }
 }
 
@@ -272,31 +252,27 @@ fn set_lines(fd: c_int, lines: c_int, before: c_int) -> Result<(), Cause> {
         return Ok(());
     }
     // SAFETY: this request reads one int.
-    success(unsafe { libc::ioctl(fd, TIOCMSET, &raw const lines) }).map(drop).map_err(cause_of)
+    success(unsafe { libc::ioctl(fd, libc::TIOCMSET as _, &raw const lines) }).map(drop).map_err(cause_of)
 }
 
 /// Waits for bytes, and reads those that are there.
-pub(super) fn read(fd: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_long) -> Result<&[u8], Cause> {
-    if !wait(fd, libc::POLLIN, Deadline::after(timeout_ms).left())? {
-        return Ok(&[]);
+pub(crate) fn read(fd: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_long) -> Result<usize, Cause> {
+    if out.is_empty() || !wait(fd, libc::POLLIN, Deadline::after(timeout_ms).left())? {
+        return Ok(0);
     }
     // SAFETY: `out` is writable for its length.
     let got = unsafe { libc::read(fd, out.as_mut_ptr().cast(), out.len()) };
     match usize::try_from(got).map_err(|_| errno()) {
         // There was something to read, so nothing is the end.
         Ok(0) => Err(Cause::Disconnected),
-        Ok(got) => {
-            let got = out.get(..got).unwrap_or_default();
-            // SAFETY: read has written these.
-            Ok(unsafe { core::slice::from_raw_parts(got.as_ptr().cast(), got.len()) })
-        }
-        Err(libc::EAGAIN | libc::EINTR) => Ok(&[]),
+        Ok(got) => Ok(got),
+        Err(libc::EAGAIN | libc::EINTR) => Ok(0),
         Err(error) => Err(cause_of(error)),
     }
 }
 
 /// Writes all bytes, or as many as there is room for in time.
-pub(super) fn write(fd: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<usize, Cause> {
+pub(crate) fn write(fd: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<usize, Cause> {
     let deadline = Deadline::after(timeout_ms);
     let mut rest = bytes;
     while !rest.is_empty() {

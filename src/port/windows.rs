@@ -4,12 +4,17 @@ use core::ffi::{CStr, c_char, c_int, c_long, c_void};
 use core::mem::MaybeUninit;
 use core::ptr;
 
-use super::{Cause, Line, Settings, is_near};
+use super::{Cause, Settings, is_near};
 
 /// The system's number of an error.
 pub(super) type Error = u32;
 
+/// The outputs besides the data, data terminal ready and request to send: what sets them. One more clears them.
+pub(crate) const DTR: u32 = 5;
+pub(crate) const RTS: u32 = 3;
+
 /// `DCB`: how a port is set. The fields that are not named are those for software flow control.
+#[derive(Default)]
 #[repr(C)]
 struct State {
     length: u32,
@@ -27,15 +32,8 @@ const BINARY: u32 = 1;
 const DTR_ON: u32 = 1 << 4;
 const RTS_ON: u32 = 1 << 12;
 
-/// `COMMTIMEOUTS`, in milliseconds.
-#[repr(C)]
-struct Timeouts {
-    between_bytes: u32,
-    read_per_byte: u32,
-    read: u32,
-    write_per_byte: u32,
-    write: u32,
-}
+/// `COMMTIMEOUTS`, in milliseconds: between bytes, of a read for each byte and in all, and of a write likewise.
+type Timeouts = [u32; 5];
 
 /// `HANDLE`
 type Handle = *mut c_void;
@@ -110,54 +108,42 @@ pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
             error => Cause::System(error),
         });
     }
-    set_up(file, settings).inspect_err(|_| {
-        // SAFETY: the file was opened above, and nobody else knows it.
-        unsafe { CloseHandle(file) };
-    })?;
     // Handles have 32 significant bits, so that programs of 32 and 64 bits can share them.
     #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "see above")]
-    Ok(file.addr() as c_int)
+    let handle = file.addr() as c_int;
+    set_up(handle, settings).inspect_err(|_| close(handle))?;
+    Ok(handle)
 }
 
-fn set_up(file: Handle, asked: &Settings) -> Result<(), Cause> {
+fn set_up(handle: c_int, asked: &Settings) -> Result<(), Cause> {
     // Closing drops both lines, whatever is asked for.
     let Settings { baud, dtr, rts, keep_lines: _ } = *asked;
-    let mut state = state(file).map_err(|_| Cause::NoSerialPort)?;
+    let mut state = state(handle).map_err(|_| Cause::NoSerialPort)?;
     state.baud = baud;
     state.flags = BINARY;
     for (line, on) in [(DTR_ON, dtr), (RTS_ON, rts)] {
-        if on != Some(false) {
+        if on >= 0 {
             state.flags |= line;
         }
     }
     (state.byte_size, state.parity, state.stop_bits) = (8, 0, 0);
     // SAFETY: it reads one DCB.
-    success(unsafe { SetCommState(file, &raw const state) }).map_err(|error| match cause_of(error) {
+    success(unsafe { SetCommState(file(handle), &raw const state) }).map_err(|error| match cause_of(error) {
         // What drivers say of a speed that they don't have differs.
         Cause::Disconnected if error != ERROR_GEN_FAILURE => Cause::Disconnected,
         _ => Cause::NotTaken(baud),
     })?;
-    let now = self::state(file).map_err(cause_of)?;
+    let now = self::state(handle).map_err(cause_of)?;
     if !is_near(now.baud, baud) || (now.byte_size, now.parity, now.stop_bits) != (8, 0, 0) {
         return Err(Cause::NotTaken(baud));
     }
-    discard_of(file)
+    discard(handle)
 }
 
-fn state(file: Handle) -> Result<State, Error> {
-    let mut state = State {
-        length: 28,
-        baud: 0,
-        flags: 0,
-        limits: [0; 3],
-        byte_size: 0,
-        parity: 0,
-        stop_bits: 0,
-        characters: [0; 5],
-        reserved: 0,
-    };
+fn state(handle: c_int) -> Result<State, Error> {
+    let mut state = State { length: 28, ..State::default() };
     // SAFETY: it writes one DCB, for which there is room.
-    success(unsafe { GetCommState(file, &raw mut state) })?;
+    success(unsafe { GetCommState(file(handle), &raw mut state) })?;
     Ok(state)
 }
 const _: () = assert!(size_of::<State>() == 28);
@@ -169,30 +155,21 @@ pub(super) fn close(handle: c_int) {
 }
 
 /// Discards what was received.
-pub(super) fn discard(handle: c_int) -> Result<(), Cause> {
-    discard_of(file(handle))
-}
-
-fn discard_of(file: Handle) -> Result<(), Cause> {
+pub(crate) fn discard(handle: c_int) -> Result<(), Cause> {
     const RECEIVED: u32 = 8;
     // SAFETY: it takes no pointer to memory.
-    success(unsafe { PurgeComm(file, RECEIVED) }).map_err(cause_of)
+    success(unsafe { PurgeComm(file(handle), RECEIVED) }).map_err(cause_of)
 }
 
 /// Waits until all was sent.
-pub(super) fn drain(handle: c_int) -> Result<(), Cause> {
+pub(crate) fn drain(handle: c_int) -> Result<(), Cause> {
     // SAFETY: it takes no pointer to memory.
     success(unsafe { FlushFileBuffers(file(handle)) }).map_err(cause_of)
 }
 
 /// Sets one line, and leaves the other alone.
-pub(super) fn set_line(handle: c_int, line: Line, on: bool) -> Result<(), Cause> {
-    let function = match (line, on) {
-        (Line::Rts, true) => 3,
-        (Line::Rts, false) => 4,
-        (Line::Dtr, true) => 5,
-        (Line::Dtr, false) => 6,
-    };
+pub(crate) fn set_line(handle: c_int, line: u32, on: bool) -> Result<(), Cause> {
+    let function = line.wrapping_add(u32::from(!on));
     // SAFETY: it takes no pointer to memory.
     success(unsafe { EscapeCommFunction(file(handle), function) }).map_err(|error| match cause_of(error) {
         Cause::System(_) => Cause::NoLines,
@@ -201,7 +178,10 @@ pub(super) fn set_line(handle: c_int, line: Line, on: bool) -> Result<(), Cause>
 }
 
 /// Waits for bytes, and reads those that are there.
-pub(super) fn read(handle: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_long) -> Result<&[u8], Cause> {
+pub(crate) fn read(handle: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_long) -> Result<usize, Cause> {
+    if out.is_empty() {
+        return Ok(0);
+    }
     let room = u32::try_from(out.len()).unwrap_or(u32::MAX);
     // The largest numbers in front ask for those bytes that are there, or else for the first one in time.
     let (per_byte, wait) = match u32::try_from(timeout_ms) {
@@ -210,32 +190,27 @@ pub(super) fn read(handle: c_int, out: &mut [MaybeUninit<u8>], timeout_ms: c_lon
         // For ever, but a driver may not wake up who waits when its device is gone.
         Err(_) => (u32::MAX, 1000),
     };
-    let timeouts =
-        Timeouts { between_bytes: u32::MAX, read_per_byte: per_byte, read: wait, write_per_byte: 0, write: 0 };
-    set_timeouts(handle, &timeouts)?;
+    set_timeouts(handle, [per_byte, wait], 0)?;
     loop {
         let mut got = 0;
         // SAFETY: `out` is writable for its length, and so is `got`.
         let result =
             success(unsafe { ReadFile(file(handle), out.as_mut_ptr().cast(), room, &raw mut got, ptr::null_mut()) });
         result.map_err(cause_of)?;
-        if got == 0 {
-            // Not every driver reports a lost device when it is read.
-            // SAFETY: it writes one number; NULL says that nothing else is wanted.
-            success(unsafe { ClearCommError(file(handle), &raw mut got, ptr::null_mut()) }).map_err(cause_of)?;
-            if timeout_ms < 0 {
-                continue;
-            }
-            got = 0;
+        if got > 0 {
+            return usize::try_from(got).map_err(|_| Cause::Disconnected);
         }
-        let got = usize::try_from(got).ok().and_then(|got| out.get(..got)).unwrap_or_default();
-        // SAFETY: ReadFile has written these.
-        return Ok(unsafe { core::slice::from_raw_parts(got.as_ptr().cast(), got.len()) });
+        // Not every driver reports a lost device when it is read.
+        // SAFETY: it writes one number; NULL says that nothing else is wanted.
+        success(unsafe { ClearCommError(file(handle), &raw mut got, ptr::null_mut()) }).map_err(cause_of)?;
+        if timeout_ms >= 0 {
+            return Ok(0);
+        }
     }
 }
 
 /// Writes all bytes, or as many as there is room for in time.
-pub(super) fn write(handle: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<usize, Cause> {
+pub(crate) fn write(handle: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<usize, Cause> {
     // SAFETY: it takes no pointer.
     let now = || unsafe { GetTickCount64() };
     let deadline = u64::try_from(timeout_ms).ok().map(|timeout| now().saturating_add(timeout));
@@ -243,8 +218,7 @@ pub(super) fn write(handle: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<u
     while !rest.is_empty() {
         // 0 would mean for ever.
         let left = deadline.map_or(0, |end| u32::try_from(end.saturating_sub(now())).unwrap_or(u32::MAX).max(1));
-        let timeouts = Timeouts { between_bytes: u32::MAX, read_per_byte: 0, read: 0, write_per_byte: 0, write: left };
-        set_timeouts(handle, &timeouts)?;
+        set_timeouts(handle, [0, 0], left)?;
         let mut put = 0;
         let count = u32::try_from(rest.len()).unwrap_or(u32::MAX);
         // SAFETY: `rest` is readable for its length, and `put` writable.
@@ -262,9 +236,11 @@ pub(super) fn write(handle: c_int, bytes: &[u8], timeout_ms: c_long) -> Result<u
     Ok(bytes.len().wrapping_sub(rest.len()))
 }
 
-fn set_timeouts(handle: c_int, timeouts: &Timeouts) -> Result<(), Cause> {
+/// Sets how long each byte and all of a read, and a write may take.
+fn set_timeouts(handle: c_int, [read_per_byte, read]: [u32; 2], write: u32) -> Result<(), Cause> {
+    let timeouts = [u32::MAX, read_per_byte, read, 0, write];
     // SAFETY: it reads one COMMTIMEOUTS.
-    success(unsafe { SetCommTimeouts(file(handle), timeouts) }).map_err(cause_of)
+    success(unsafe { SetCommTimeouts(file(handle), &raw const timeouts) }).map_err(cause_of)
 }
 
 /// The system's text for an error, without the full stop at its end.

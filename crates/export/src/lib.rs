@@ -21,13 +21,9 @@ pub fn export(family: TokenStream, function: TokenStream) -> TokenStream {
 }
 
 fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static str> {
-    let family_sizes = match family {
-        "" => None,
-        "dp" => Some("DP_SIZES"),
-        "olp" => Some("OLP_SIZES"),
-        "gx" => Some("GX_SIZES"),
-        _ => return Err("no family of sizes: dp, olp or gx"),
-    };
+    if !matches!(family, "" | "dp" | "olp" | "gx") {
+        return Err("no family of sizes: dp, olp or gx");
+    }
     let is_word = |token: &TokenTree, word: &str| matches!(token, TokenTree::Ident(ident) if ident.to_string() == word);
     let keyword = tokens.iter().position(|token| is_word(token, "fn")).ok_or("not a function")?;
     let (head, function) = tokens.split_at(keyword);
@@ -35,14 +31,16 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
         return Err("a function without a name");
     };
     let is_unsafe = head.iter().any(|token| is_word(token, "unsafe"));
-    let (attributes, qualifiers) = head.split_at(attributes_end(head));
+    let visibility = head.iter().position(|token| is_word(token, "pub")).ok_or("not public")?;
+    let (attributes, qualifiers) = head.split_at(visibility);
 
     let mut output: TokenStream = attributes.iter().cloned().collect();
     let safety = if is_unsafe { format!("#[doc = {SAFETY:?}]") } else { String::new() };
     output.extend(parse(&format!("{safety} #[unsafe(no_mangle)]"))?);
     output.extend(qualifiers.iter().chain(function).cloned());
 
-    if let Some(sizes) = family_sizes {
+    if !family.is_empty() {
+        let sizes = family.to_uppercase() + "_SIZES";
         let symbol = format!("::core::concat!(\"{name}_\", ::core::env!(\"{sizes}\"))");
         let qualifiers = if is_unsafe { "unsafe" } else { "" };
         let start =
@@ -54,12 +52,6 @@ fn exported(family: &str, tokens: &[TokenTree]) -> Result<TokenStream, &'static 
         output.extend(parse(";")?);
     }
     Ok(output)
-}
-
-/// How many tokens in front of a function are attributes: pairs of `#` and brackets.
-fn attributes_end(head: &[TokenTree]) -> usize {
-    let is_attribute = |pair: &[TokenTree]| matches!(pair, [TokenTree::Punct(hash), _] if hash.as_char() == '#');
-    head.chunks(2).take_while(|pair| is_attribute(pair)).map(<[_]>::len).sum()
 }
 
 fn parse(text: &str) -> Result<TokenStream, &'static str> {

@@ -1,6 +1,6 @@
 //! What cbindgen writes, as a person would write it.
 
-/// Makes comments of one line of those that take three, and declarations of one line of those that fit it.
+/// Makes comments of one line of those that take three, and declarations of several lines of those that are too long.
 pub(crate) fn tidy(text: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut rest = text.trim().lines().peekable();
@@ -8,8 +8,8 @@ pub(crate) fn tidy(text: &str) -> String {
         let mut line = line.to_owned();
         if line.trim() == "/**" {
             line = comment(&line, &mut rest);
-        } else if line.ends_with([',', ')']) && line.contains('(') && !line.starts_with([' ', '#', '/']) {
-            line = declaration(line, &mut rest);
+        } else if line.len() > 120 && line.ends_with(';') {
+            line = declaration(&line);
         }
         // One blank line at most, and none between macros or fields that have a line each.
         let is_blank = line.trim().is_empty();
@@ -42,20 +42,10 @@ fn comment<'a>(first: &str, rest: &mut impl Iterator<Item = &'a str>) -> String 
     }
 }
 
-/// A declaration of a function that begins with this line.
-fn declaration<'a>(first: String, rest: &mut impl Iterator<Item = &'a str>) -> String {
-    let mut lines = vec![first];
-    while !lines.last().is_some_and(|line| line.ends_with(';')) {
-        let Some(line) = rest.next() else { break };
-        lines.push(line.to_owned());
-    }
-    let joined = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
-    if joined.len() <= 120 {
-        return joined;
-    }
-    // The symbol's name on a line of its own, and the arguments in as few as they fit.
+/// A declaration of a function that is too long for one line.
+fn declaration(line: &str) -> String {
     let (mut text, mut width) = (String::new(), 0);
-    for word in joined.split_inclusive(", ").flat_map(|part| part.split_inclusive(") ")) {
+    for word in line.split_inclusive(", ").flat_map(|part| part.split_inclusive(") ")) {
         if width + word.trim_end().len() > 120 {
             text.truncate(text.trim_end().len());
             text += "\n    ";

@@ -1,8 +1,7 @@
 //! The host's end of the link: requests go in, outcomes come out.
 //!
 //! A [`Host`] does no I/O: it is fed the bytes that were received and the time, and asked for the bytes to send and for
-//! events. It has room for little more than one frame: [`receive`](Host::receive) takes as many bytes as fit, and the
-//! others when all events of the former were fetched by [`poll`](Host::poll).
+//! events.
 //!
 //! # What can be relied on
 //!
@@ -16,25 +15,21 @@
 //! # A request
 //!
 //! is sent, and retransmitted when no answer came in [`Settings::ack_ms`], up to [`attempts`](field@Settings::attempts)
-//! times altogether. The specification asks for this "depending on the opcode". Here every request is retransmitted,
-//! since carrying one out twice is no harm: a move goes to an absolute position, homing and cancelling end in one
-//! state, asking changes nothing. But an operation is not retransmitted once its cancelling was requested, or an error
-//! was reported: that would move the robot against the user's will.
+//! times altogether, whatever its opcode: carrying one out twice is no harm, as a move goes to an absolute position,
+//! homing and cancelling end in one state, and asking changes nothing. But an operation is not retransmitted once its
+//! cancelling was requested, or an error was reported: that would move the robot against the user's will.
 //!
 //! - Accepted: its ack came. What was received before belongs to an older operation and ends nothing.
 //! - Refused: its nack came. After a retransmission that may be because the first request, whose ack was lost, is being
 //!   carried out: then the state decides.
 //! - Unanswered: it has timed out, unless reports of homing or moving, or of standing at the target after having stood
-//!   elsewhere, have shown that only the answers are lost. Then it counts as accepted, but its end is believed from
-//!   status reports alone.
+//!   elsewhere, have shown that only the answers are lost. Then its end is believed from status reports alone.
 //!
 //! The next operation waits until no answer to the last can come any more, unless that was sent once and accepted and
 //! the line does not duplicate frames ([`Settings::duplicates`]). A cancel request waits for nothing; answers that may
 //! be those of an older one are ignored, and it is retransmitted.
 //!
-//! # An accepted operation
-//!
-//! ends by
+//! An accepted operation ends by
 //!
 //! - `h` or `m` (the specification);
 //! - a report of IDLE (shipped firmware), if homing or moving was reported since the ack, or [`Settings::settle_ms`]
@@ -62,8 +57,8 @@
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Accepted(Opcode::HOMING)));
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Ended(Opcode::HOMING, Outcome::Finished)));
 //! ```
+#![expect(clippy::missing_errors_doc, reason = "Busy says it")]
 
-mod link;
 mod operation;
 mod request;
 mod settings;
@@ -71,22 +66,33 @@ mod timers;
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::{FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Report, SeenLayout, encode};
-use crate::session::{Flags, count, flags};
-use link::Link;
+use super::{
+    FRAME_OVERHEAD, Layout, Message, Opcode, POSITION_SIZE, Place, Position, Receiver, Report, SeenLayout, encode,
+};
+use crate::session::{Flags, count, flags, left, span};
 pub use request::Outcome;
 use request::{Request, Stage};
 pub use settings::{Health, Settings};
 use timers::NEVER;
 
-/// A host session with a [`Receiver`](super::Receiver) of `ROOM` bytes. All zero is a new one with default settings.
+/// A host session with a [`Receiver`] of `ROOM` bytes. All zero is a new one with default settings.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Host<const ROOM: usize> {
     link: Link<ROOM>,
     session: Session,
 }
 
-/// All of a session but what it receives.
+/// What was received. Apart from the session, of which AVR then reaches more by short offsets.
+#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+struct Link<const ROOM: usize> {
+    /// When the last bytes came.
+    arrived_at: u32,
+    receiver: Receiver<ROOM>,
+    /// Not 0: not all of them were taken.
+    has_more: u8,
+}
+
+/// All of a session but the bytes that it has received.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 struct Session {
     settings: Settings,
@@ -162,19 +168,11 @@ impl<const ROOM: usize> Host<ROOM> {
     }
 
     /// Requests homing.
-    ///
-    /// # Errors
-    ///
-    /// [`Busy`] while an operation is going on.
     pub fn home(&mut self) -> Result<(), Busy> {
         self.session.start(Opcode::HOMING)
     }
 
     /// Requests a move. The position has to be finite: others are the caller's to refuse.
-    ///
-    /// # Errors
-    ///
-    /// [`Busy`] while an operation is going on.
     pub fn move_to(&mut self, target: Position) -> Result<(), Busy> {
         self.session.start(Opcode::MOVE)?;
         self.session.target = target;
@@ -183,10 +181,6 @@ impl<const ROOM: usize> Host<ROOM> {
 
     /// Requests that the operation going on be cancelled. Without one it is requested all the same, since the
     /// controller may have got one from elsewhere.
-    ///
-    /// # Errors
-    ///
-    /// [`Busy`] while this is being requested already.
     pub fn cancel(&mut self) -> Result<(), Busy> {
         let session = &mut self.session;
         session.cancel.queue(true)?;
@@ -197,10 +191,6 @@ impl<const ROOM: usize> Host<ROOM> {
     }
 
     /// Requests a status report.
-    ///
-    /// # Errors
-    ///
-    /// [`Busy`] while one is being requested already.
     pub fn status(&mut self) -> Result<(), Busy> {
         self.session.status.queue(false)
     }
@@ -214,7 +204,7 @@ impl<const ROOM: usize> Host<ROOM> {
     /// The last status report, if there was one.
     #[must_use]
     pub fn last_report(&self) -> Option<&Report> {
-        self.session.last_report()
+        (self.session.has_report != 0).then_some(&self.session.report)
     }
 
     /// How well the link works.
@@ -226,18 +216,27 @@ impl<const ROOM: usize> Host<ROOM> {
     /// Takes received bytes, as many as there is room for, and returns how many. The others fit when
     /// [`poll`](Self::poll) has no more events. `now` is when they came.
     pub fn receive(&mut self, input: &[u8], now: u32) -> usize {
-        self.link.receive(input, now)
+        let taken = self.link.receiver.take(input);
+        if taken != 0 {
+            self.link.arrived_at = now;
+        }
+        self.link.has_more = u8::from(taken < input.len());
+        taken
     }
 
     /// The next event; `None` when there is none. Of [`Event::Message`], the payload is copied to `data` as far as that
     /// goes; other events change it too.
     pub fn poll<P: Place>(&mut self, now: u32, data: &mut [P]) -> Option<Event> {
-        let Self { link, session } = self;
+        let is_quiet = self.link.has_more == 0 && self.gap_left(now) == 0;
+        let Self { link: Link { receiver, has_more, .. }, session } = self;
         loop {
             if let Some(event) = session.next_event() {
                 return Some(event);
             }
-            let Some(frame) = link.next(now, session.settings.gap(), &mut session.health) else { break };
+            let health = &mut session.health;
+            let frame = if is_quiet { receiver.next_idle(health) } else { receiver.next_observed(health) };
+            let Ok(frame) = frame else { break };
+            count(&mut health.frames);
             for (place, byte) in data.iter_mut().zip(frame.payload) {
                 *place = P::of(*byte);
             }
@@ -252,7 +251,7 @@ impl<const ROOM: usize> Host<ROOM> {
             }
         }
         // What was received already is no answer to what is sent next, and may end what would time out.
-        if !link.take_has_more() {
+        if core::mem::replace(has_more, 0) == 0 {
             session.on_timer(now);
         }
         session.next_event()
@@ -283,9 +282,14 @@ impl<const ROOM: usize> Host<ROOM> {
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let gap = self.link.gap_left(now, self.session.settings.gap());
+        let gap = if self.link.receiver.is_empty() { NEVER } else { self.gap_left(now) };
         let left = gap.min(self.session.time_left(now));
         (left != NEVER).then_some(left)
+    }
+
+    /// How long until what is incomplete is given up.
+    fn gap_left(&self, now: u32) -> u32 {
+        left(now, self.link.arrived_at, span(self.session.settings.gap_ms, 50))
     }
 }
 
@@ -305,10 +309,6 @@ impl Session {
         }
     }
 
-    fn last_report(&self) -> Option<&Report> {
-        (self.has_report != 0).then_some(&self.report)
-    }
-
     fn next_event(&mut self) -> Option<Event> {
         match self.notices.take_first() {
             Some(Notice::Status) => return Some(Event::Status),
@@ -326,5 +326,65 @@ impl Session {
             }
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Event, Settings};
+    use crate::deltarobot::receiver_room;
+
+    type Host = super::Host<{ receiver_room(12) }>;
+
+    fn host() -> Host {
+        Host::new(Settings { messages: 1, ..Settings::default() })
+    }
+
+    /// The opcodes of the messages that are there.
+    fn opcodes(host: &mut Host, now: u32) -> std::vec::Vec<u8> {
+        let events = core::iter::from_fn(|| host.poll(now, &mut [0; 0]));
+        events.filter_map(|event| if let Event::Message(opcode, _) = event { Some(opcode.0) } else { None }).collect()
+    }
+
+    fn feed(host: &mut Host, mut bytes: &[u8]) -> std::vec::Vec<u8> {
+        let mut received = std::vec::Vec::new();
+        while !bytes.is_empty() {
+            let taken = host.receive(bytes, 0);
+            bytes = &bytes[taken..];
+            assert_eq!(host.link.has_more != 0, !bytes.is_empty());
+            received.extend(opcodes(host, 0));
+        }
+        received
+    }
+
+    #[test]
+    fn garbage_and_checksum_failures_are_counted() {
+        let mut host = host();
+        assert_eq!(feed(&mut host, b"xy$S\0\xB1:z$S\0\xB2:$A\x01H\xE8:$A\x01H\xE9:$$h\0\xC6:"), b"SAh");
+        let health = host.health();
+        assert_eq!((health.frames, health.garbage_bytes, health.checksum_failures), (3, 3 + 5 + 6 + 1, 2));
+        assert_eq!(health.malformed, 0);
+    }
+
+    #[test]
+    fn a_frame_in_pieces_is_no_garbage() {
+        let mut host = host();
+        for byte in b"$A\x01H\xE8" {
+            assert_eq!(feed(&mut host, &[*byte]), b"");
+        }
+        assert_eq!(feed(&mut host, b":"), b"A");
+        assert_eq!((host.health().garbage_bytes, host.health().checksum_failures), (0, 0));
+    }
+
+    #[test]
+    fn what_is_incomplete_is_given_up_after_the_gap() {
+        let mut host = host();
+        assert_eq!(feed(&mut host, b"$M\x0C$S\0\xB1:"), b"");
+        assert_eq!(host.next_deadline(20), Some(30));
+        assert_eq!(opcodes(&mut host, 49), b"");
+        host.link.has_more = 1;
+        assert_eq!((host.poll(50, &mut [0; 0]), host.link.has_more), (None, 0));
+        assert_eq!(opcodes(&mut host, 50), b"S");
+        assert_eq!((host.health().garbage_bytes, host.next_deadline(50)), (3, None));
     }
 }

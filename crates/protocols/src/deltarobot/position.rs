@@ -16,22 +16,15 @@ impl Position {
     /// What shipped firmware reports before homing.
     pub const UNKNOWN: Self = Self([0x7F80_0001; 3]);
 
-    /// The position that 12 bytes from the wire stand for.
-    #[inline]
-    #[must_use]
-    pub const fn from_wire(bytes: &[u8; POSITION_SIZE]) -> Self {
-        let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes;
-        Self([
-            u32::from_le_bytes([a0, a1, a2, a3]),
-            u32::from_le_bytes([b0, b1, b2, b3]),
-            u32::from_le_bytes([c0, c1, c2, c3]),
-        ])
-    }
-
     /// The position at the beginning of these bytes from the wire, if there are enough.
     #[inline]
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
-        bytes.first_chunk().map(Self::from_wire)
+        let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes.first_chunk()?;
+        Some(Self([
+            u32::from_le_bytes([a0, a1, a2, a3]),
+            u32::from_le_bytes([b0, b1, b2, b3]),
+            u32::from_le_bytes([c0, c1, c2, c3]),
+        ]))
     }
 
     /// The bytes for the wire.
@@ -107,9 +100,8 @@ mod tests {
     #[test]
     fn bytes_of_the_wire_are_little_endian_and_keep_a_signalling_nan() {
         let wire = [0, 0, 0x80, 0x3F, 1, 0, 0x80, 0x7F, 0, 0, 0x60, 0xC0];
-        let position = Position::from_wire(&wire);
-        assert_eq!(position, Position([0x3F80_0000, 0x7F80_0001, 0xC060_0000]));
-        assert_eq!(position.to_wire(), wire);
+        let position = Position([0x3F80_0000, 0x7F80_0001, 0xC060_0000]);
+        assert_eq!((Position::read(&wire), position.to_wire()), (Some(position), wire));
     }
 
     #[test]

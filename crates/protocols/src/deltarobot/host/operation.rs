@@ -62,10 +62,10 @@ impl Session {
             self.accept(Fact::Acked, now);
         } else if self.operation.stage() == Stage::Sent {
             self.operation.answer(false, now, &mut self.health);
-            if self.operation.sent() == 1 {
+            if self.operation.transmission.sent() == 1 {
                 self.operation.end(Outcome::Refused);
             } else {
-                self.operation.set_stage(Stage::NackAfterRetry);
+                self.operation.stage = Stage::NackAfterRetry as u8;
                 self.ask_status(now);
             }
         }
@@ -73,7 +73,7 @@ impl Session {
 
     /// The operation is accepted; apart from its cancelling, this is all that is known of it from now on.
     fn accept(&mut self, fact: Fact, now: u32) {
-        self.operation.set_stage(Stage::Accepted);
+        self.operation.stage = Stage::Accepted as u8;
         let is_cancelled = self.facts.has(Fact::Cancelled);
         self.facts = Flags::new();
         self.facts.set_to(Fact::Cancelled, is_cancelled);
@@ -125,7 +125,7 @@ impl Session {
     }
 
     fn reported(&mut self, report: &Report, now: u32) {
-        if self.last_report().is_none_or(|last| last.state() != report.state()) {
+        if self.has_report == 0 || self.report.state() != report.state() {
             self.notices.set(Notice::State);
         }
         self.has_report = 1;

@@ -1,6 +1,6 @@
 //! A request on its way: what every kind of request has in common.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
 use super::Busy;
 use super::settings::Health;
@@ -9,16 +9,18 @@ use crate::session::{Flags, Transmission, flags, left};
 /// One request at a time of each kind.
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Request {
-    transmission: Transmission,
+    pub(super) transmission: Transmission,
     /// When its predecessor, of which answers may still come, was sent last.
     previous_at: u32,
     marks: Flags<Mark>,
-    stage: u8,
+    /// One of [`Stage`], and of [`Outcome`].
+    pub(super) stage: u8,
     outcome: u8,
 }
 
 /// How far a request is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
 pub(super) enum Stage {
     /// There is none.
     Free = 0,
@@ -49,7 +51,8 @@ flags! {
 }
 
 /// How a request ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
 pub enum Outcome {
     /// It was carried out.
     Finished = 1,
@@ -64,23 +67,16 @@ pub enum Outcome {
 }
 
 impl Request {
-    pub(super) const fn stage(&self) -> Stage {
-        match self.stage {
-            1 => Stage::Queued,
-            2 => Stage::Sent,
-            3 => Stage::NackAfterRetry,
-            4 => Stage::Accepted,
-            5 => Stage::Ended,
-            _ => Stage::Free,
-        }
+    pub(super) fn stage(&self) -> Stage {
+        Stage::try_read_from_bytes(&[self.stage]).unwrap_or(Stage::Free)
     }
 
-    pub(super) const fn is_going_on(&self) -> bool {
+    pub(super) fn is_going_on(&self) -> bool {
         !matches!(self.stage(), Stage::Free | Stage::Ended)
     }
 
     /// It was sent, and not accepted yet.
-    pub(super) const fn is_unanswered(&self) -> bool {
+    pub(super) fn is_unanswered(&self) -> bool {
         matches!(self.stage(), Stage::Sent | Stage::NackAfterRetry)
     }
 
@@ -92,7 +88,7 @@ impl Request {
             return Err(Busy);
         }
         if self.marks.has(Mark::Used) {
-            let in_flight = duplicates || self.sent() > 1 || !self.marks.has(Mark::Acked);
+            let in_flight = duplicates || self.transmission.sent() > 1 || !self.marks.has(Mark::Acked);
             self.marks.set_to(Mark::PreviousInFlight, in_flight);
             self.previous_at = self.transmission.sent_at();
         }
@@ -147,20 +143,12 @@ impl Request {
         self.transmission.delay(now);
     }
 
-    pub(super) const fn sent(&self) -> u8 {
-        self.transmission.sent()
-    }
-
     /// It was answered, and accepted or refused by that.
     pub(super) fn answer(&mut self, accepted: bool, now: u32, health: &mut Health) {
-        if self.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
+        if self.transmission.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
             health.round_trips.add(self.transmission.elapsed(now));
         }
         self.marks.set_to(Mark::Acked, accepted);
-    }
-
-    pub(super) const fn set_stage(&mut self, stage: Stage) {
-        self.stage = stage as u8;
     }
 
     /// It has ended.
@@ -176,18 +164,7 @@ impl Request {
             return None;
         }
         self.stage = Stage::Free as u8;
-        Some(match self.outcome {
-            1 => Outcome::Finished,
-            2 => Outcome::Refused,
-            3 => Outcome::Failed,
-            4 => Outcome::Cancelled,
-            _ => Outcome::TimedOut,
-        })
-    }
-
-    /// How much of `timeout` is left since it was sent last.
-    pub(super) const fn left(&self, now: u32, timeout: u32) -> u32 {
-        self.transmission.left(now, timeout)
+        Some(Outcome::try_read_from_bytes(&[self.outcome]).unwrap_or(Outcome::TimedOut))
     }
 
     /// How long answers to the predecessor may still come.
@@ -197,13 +174,13 @@ impl Request {
 
     /// Whether a retransmission may still be on its way, or its answer.
     pub(super) const fn is_retry_in_flight(&self, now: u32, guard: u32) -> bool {
-        self.sent() > 1 && self.left(now, guard) > 0
+        self.transmission.sent() > 1 && self.transmission.left(now, guard) > 0
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Health, Outcome, Request, Stage};
+    use super::{Health, Outcome, Request};
 
     #[test]
     fn answers_to_a_request_may_still_come_unless_it_was_sent_once_and_accepted() {
@@ -227,16 +204,5 @@ mod tests {
         assert!(in_flight(1, true, true));
         assert!(in_flight(1, false, false));
         assert!(in_flight(2, true, false));
-    }
-
-    #[test]
-    fn a_stage_is_read_as_it_was_stored_and_none_as_free() {
-        let mut request = Request::default();
-        for stage in [Stage::Queued, Stage::Sent, Stage::NackAfterRetry, Stage::Accepted, Stage::Ended, Stage::Free] {
-            request.set_stage(stage);
-            assert_eq!(request.stage(), stage);
-        }
-        request.stage = 6;
-        assert_eq!(request.stage(), Stage::Free);
     }
 }

@@ -3,7 +3,7 @@
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use crate::deltarobot::Observer;
-use crate::session::{RoundTrips, count, span, times};
+use crate::session::{RoundTrips, count, span};
 
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere; times are at most
 /// 2147483647 ms (24 days).
@@ -13,8 +13,7 @@ pub struct Settings {
     pub ack_ms: u32,
     /// The longest time from sending a request to its answer's arrival, if it comes at all; by default 500.
     pub guard_ms: u32,
-    /// For how long behind its ack a report of IDLE does not end an operation, unless it was seen running; at least
-    /// `guard_ms`, by default 500.
+    /// How long after the ack IDLE does not end an operation that was not seen running; not below guard, by default 500.
     pub settle_ms: u32,
     /// During an operation the status is requested when no report came for this long; by default 200.
     pub poll_ms: u32,
@@ -24,8 +23,7 @@ pub struct Settings {
     pub operation_ms: u32,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: u32,
-    /// How far each arm may be from the target of a finished move; by default 0.25, twice what shipped firmware allows
-    /// itself.
+    /// How far each arm may be from the target of a finished move; by default 0.25, twice what shipped firmware allows.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: i16,
@@ -33,8 +31,7 @@ pub struct Settings {
     pub layout: u8,
     /// Not 0: each received message is an event.
     pub messages: u8,
-    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep a distance of
-    /// `guard_ms`.
+    /// Not 0: the line may deliver a frame twice, as some radio links do. Operations then keep `guard_ms` apart.
     pub duplicates: u8,
 }
 
@@ -55,18 +52,6 @@ impl Settings {
         span(self.poll_ms, 200)
     }
 
-    pub(super) fn silence(&self) -> u32 {
-        span(self.silence_ms, 3000)
-    }
-
-    pub(super) fn operation(&self) -> u32 {
-        span(self.operation_ms, 120_000)
-    }
-
-    pub(super) fn gap(&self) -> u32 {
-        span(self.gap_ms, 50)
-    }
-
     /// The bits of the float, which is finite.
     pub(super) const fn tolerance(&self) -> u32 {
         match self.tolerance.abs().to_bits() {
@@ -74,10 +59,6 @@ impl Settings {
             bits @ ..0x7F80_0000 => bits,
             _ => 0x7F7F_FFFF,
         }
-    }
-
-    pub(super) fn attempts(&self) -> u8 {
-        times(self.attempts, 4, 1)
     }
 }
 
@@ -119,13 +100,9 @@ mod tests {
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
         let mut settings = Settings::default();
-        assert_eq!((settings.ack(), settings.guard(), settings.settle()), (250, 500, 500));
-        assert_eq!((settings.attempts(), settings.tolerance()), (4, 0.25_f32.to_bits()));
-        (settings.ack_ms, settings.guard_ms, settings.attempts) = (u32::MAX, 900, 1000);
-        assert_eq!((settings.ack(), settings.guard(), settings.settle()), (0x7FFF_FFFF, 900, 900));
-        assert_eq!(settings.attempts(), 255);
-        settings.attempts = -1;
-        assert_eq!(settings.attempts(), 1);
+        assert_eq!((settings.settle(), settings.tolerance()), (500, 0.25_f32.to_bits()));
+        settings.guard_ms = 900;
+        assert_eq!(settings.settle(), 900);
         for (set, used) in [(-0.0, 0.25), (-2.5, 2.5), (f32::MAX, f32::MAX), (f32::INFINITY, f32::MAX)] {
             settings.tolerance = set;
             assert_eq!(settings.tolerance(), f32::to_bits(used));

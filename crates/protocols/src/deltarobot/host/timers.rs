@@ -3,7 +3,7 @@
 use super::Session;
 use super::operation::Fact;
 use super::request::{Outcome, Request, Stage};
-use crate::session::{Flags, count, left};
+use crate::session::{Flags, count, left, span, times};
 
 /// The time left where nothing is due. Other times are shorter.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -37,7 +37,7 @@ impl Session {
     fn request_left(&self, request: &Request, now: u32) -> u32 {
         match request.stage() {
             Stage::Queued => 0,
-            Stage::Sent => request.left(now, self.settings.ack()),
+            Stage::Sent => request.transmission.left(now, self.settings.ack()),
             _ => NEVER,
         }
     }
@@ -45,7 +45,7 @@ impl Session {
     fn cancel_due(&mut self, now: u32) {
         if self.cancel.previous_left(now, self.settings.guard()) > 0 {
             self.cancel.send_uncounted(now);
-        } else if self.cancel.stage() == Stage::Sent && !self.may_retransmit(self.cancel.sent()) {
+        } else if self.cancel.stage() == Stage::Sent && !self.may_retransmit(self.cancel.transmission.sent()) {
             // It may have been received all the same.
             self.facts.set(Fact::Cancelled);
             self.cancel.end(Outcome::TimedOut);
@@ -64,7 +64,7 @@ impl Session {
             // Behind the answer to a cancel request that has nothing to do with it.
             Stage::Queued | Stage::Sent if self.cancel.is_going_on() => NEVER,
             Stage::Queued => self.operation.previous_left(now, settings.guard()),
-            Stage::Sent => self.operation.left(now, settings.ack()),
+            Stage::Sent => self.operation.transmission.left(now, settings.ack()),
             Stage::NackAfterRetry => poll.min(self.resolution_left(now)),
             Stage::Accepted => poll.min(self.timeout_left(now)),
             Stage::Free | Stage::Ended => NEVER,
@@ -74,13 +74,15 @@ impl Session {
     /// How long until a nack after a retransmission is not resolved any more.
     fn resolution_left(&self, now: u32) -> u32 {
         let settings = &self.settings;
-        self.operation.left(now, settings.guard().saturating_add(settings.ack()).saturating_add(settings.poll()))
+        self.operation
+            .transmission
+            .left(now, settings.guard().saturating_add(settings.ack()).saturating_add(settings.poll()))
     }
 
     /// How long until an accepted operation is given up.
     fn timeout_left(&self, now: u32) -> u32 {
-        let silence = left(now, self.heard_at, self.settings.silence());
-        silence.min(left(now, self.started_at, self.settings.operation()))
+        let silence = left(now, self.heard_at, span(self.settings.silence_ms, 3000));
+        silence.min(left(now, self.started_at, span(self.settings.operation_ms, 120_000)))
     }
 
     fn operation_due(&mut self, now: u32) {
@@ -92,7 +94,7 @@ impl Session {
             }
             Stage::Sent if self.facts.has(Fact::ErrorReported) => self.operation.end(Outcome::Failed),
             Stage::Sent if self.facts.has(Fact::Cancelled) => self.operation.end(Outcome::TimedOut),
-            Stage::Sent if self.may_retransmit(self.operation.sent()) => self.operation.send(now),
+            Stage::Sent if self.may_retransmit(self.operation.transmission.sent()) => self.operation.send(now),
             Stage::Sent if self.facts.has(Fact::SeenRunning) => self.accept_by_reports(now),
             Stage::Sent => self.operation.end(Outcome::TimedOut),
             Stage::NackAfterRetry if self.resolution_left(now) == 0 => self.operation.end(Outcome::TimedOut),
@@ -102,7 +104,7 @@ impl Session {
     }
 
     fn status_due(&mut self, now: u32) {
-        if self.status.stage() == Stage::Sent && !self.may_retransmit(self.status.sent()) {
+        if self.status.stage() == Stage::Sent && !self.may_retransmit(self.status.transmission.sent()) {
             self.status.end(Outcome::TimedOut);
         } else {
             self.status.send(now);
@@ -112,7 +114,7 @@ impl Session {
     /// An answer is overdue: counts that, and the retransmission unless the request was sent often enough.
     fn may_retransmit(&mut self, sent: u8) -> bool {
         count(&mut self.health.timeouts);
-        let may = sent < self.settings.attempts();
+        let may = sent < times(self.settings.attempts, 4, 1);
         if may {
             count(&mut self.health.retransmissions);
         }
