@@ -129,7 +129,8 @@ pub unsafe extern "C" fn dp_controller_init(
     if unsafe { Served::new(controller) }.is_some() { DP_RC_SUCCESS } else { DP_RC_ERROR_GENERIC }
 }
 
-/// Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
+/// Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
+/// a queue of the firmware's own.
 ///
 /// Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
 /// Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.

@@ -68,7 +68,8 @@ pub struct HostSettings {
     pub operation_ms: c_ulong,
     /// An incomplete frame is given up when the line was quiet for this long; by default 50.
     pub gap_ms: c_ulong,
-    /// How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's.
+    /// How far each arm may be from the target of a move that IDLE ends, in the displacement's unit; by default 0.25,
+    /// twice what shipped firmware allows itself.
     pub tolerance: f32,
     /// How often a request is sent altogether before it has timed out, 1 to 255; by default 4.
     pub attempts: c_int,
@@ -137,19 +138,33 @@ pub unsafe extern "C" fn dp_host_init(host: *mut Host, settings: *const HostSett
     let (session, settings) = unsafe { (Host::init(host), settings.as_ref()) };
     let Some(session) = session else { return DP_RC_ERROR_GENERIC };
     if let Some(settings) = settings {
+        let HostSettings {
+            ack_ms,
+            guard_ms,
+            settle_ms,
+            poll_ms,
+            silence_ms,
+            operation_ms,
+            gap_ms,
+            tolerance,
+            attempts,
+            layout,
+            messages,
+            duplicates,
+        } = *settings;
         *session.settings() = Settings {
-            ack_ms: duration(settings.ack_ms),
-            guard_ms: duration(settings.guard_ms),
-            settle_ms: duration(settings.settle_ms),
-            poll_ms: duration(settings.poll_ms),
-            silence_ms: duration(settings.silence_ms),
-            operation_ms: duration(settings.operation_ms),
-            gap_ms: duration(settings.gap_ms),
-            tolerance: settings.tolerance,
-            attempts: short(settings.attempts),
-            layout: u8::try_from(settings.layout).unwrap_or_default(),
-            messages: u8::from(settings.messages != 0),
-            duplicates: u8::from(settings.duplicates != 0),
+            ack_ms: duration(ack_ms),
+            guard_ms: duration(guard_ms),
+            settle_ms: duration(settle_ms),
+            poll_ms: duration(poll_ms),
+            silence_ms: duration(silence_ms),
+            operation_ms: duration(operation_ms),
+            gap_ms: duration(gap_ms),
+            tolerance,
+            attempts: short(attempts),
+            layout: u8::try_from(layout).unwrap_or_default(),
+            messages: u8::from(messages != 0),
+            duplicates: u8::from(duplicates != 0),
         };
     }
     DP_RC_SUCCESS

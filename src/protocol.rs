@@ -48,7 +48,8 @@ pub const DP_BIT_STAT_STOP_CLEAR: c_int = 0;
 
 /// A ring buffer for bytes from the wire; all zero is an empty one.
 ///
-/// The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
+/// The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
+/// empty, so an uninitialised one does no harm.
 #[derive(Debug)]
 #[repr(C)]
 pub struct ProtocolData {
@@ -97,7 +98,8 @@ pub struct ProtocolMsg {
     pub checksum_ok: c_int,
 }
 
-/// The payload of a status report of shipped firmware: 16 bytes with the padding, displacements in its own unit.
+/// The payload of a status report as shipped firmware sends it: 16 bytes with the padding. Displacements are in the
+/// firmware's own unit, as the specification names none.
 #[derive(Debug)]
 #[repr(C)]
 #[expect(non_snake_case, reason = "the original's names")]
@@ -139,7 +141,8 @@ pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, 
 /// Adds received bytes at the ring's end.
 ///
 /// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
-/// An interrupt that may come during another call on the ring puts them into a queue of the program's own.
+/// Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
+/// own.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
 /// negative, or buf is NULL and bytes is not 0.
@@ -163,7 +166,8 @@ pub unsafe extern "C" fn dp_process(data: *mut ProtocolData, buf: *mut c_void, b
 
 /// Takes the next message out of the ring.
 ///
-/// An incomplete frame at the ring's start is waited for; bytes that can't be part of a frame are thrown away.
+/// An incomplete frame at the ring's start is waited for, whatever stands behind it; bytes that can't be part of a frame
+/// are thrown away.
 ///
 /// Returns `DP_RC_SUCCESS` and the message, `DP_RC_NO_FRAME` when more bytes are needed, `DP_RC_GARBAGE` when more are
 /// needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, only `opcode`

@@ -122,7 +122,8 @@ int dp_controller_init(struct dp_controller *controller, const struct dp_control
     int flags) DP_SIZED("dp_controller_init");
 
 /**
- * Takes received bytes. An interrupt that may come during another call puts them into the firmware's own queue.
+ * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
+ * a queue of the firmware's own.
  *
  * Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
  * Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.

@@ -114,7 +114,10 @@ struct dp_host_settings {
   unsigned long operation_ms;
   /** An incomplete frame is given up when the line was quiet for this long; by default 50. */
   unsigned long gap_ms;
-  /** How far each arm may be from the target of a move that IDLE ends; by default 0.25, twice the firmware's. */
+  /**
+   * How far each arm may be from the target of a move that IDLE ends, in the displacement's unit; by default 0.25,
+   * twice what shipped firmware allows itself.
+   */
   float tolerance;
   /** How often a request is sent altogether before it has timed out, 1 to 255; by default 4. */
   int attempts;

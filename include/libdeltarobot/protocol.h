@@ -93,7 +93,8 @@ extern "C" {
 /**
  * A ring buffer for bytes from the wire; all zero is an empty one.
  *
- * The fields can be read at any time. A ring whose `m_idx` or `m_sz` is out of range, uninitialised maybe, is empty.
+ * The fields can be read at any time. They are never trusted: a ring whose `m_idx` or `m_sz` is out of range counts as
+ * empty, so an uninitialised one does no harm.
  */
 struct protocol_data {
   /** Storage of the ring. */
@@ -129,7 +130,10 @@ struct protocol_msg {
  */
 typedef int (*send_func_t)(void *buf, int bytes, void *usr);
 
-/** The payload of a status report of shipped firmware: 16 bytes with the padding, displacements in its own unit. */
+/**
+ * The payload of a status report as shipped firmware sends it: 16 bytes with the padding. Displacements are in the
+ * firmware's own unit, as the specification names none.
+ */
 struct protocol_msg_status_report {
   /** Displacement of arm A; a NaN when unknown. */
   float DA;
@@ -155,7 +159,8 @@ struct protocol_msg_position {
  * Adds received bytes at the ring's end.
  *
  * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
- * An interrupt that may come during another call on the ring puts them into a queue of the program's own.
+ * Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
+ * own.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
@@ -171,7 +176,8 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_pr
 /**
  * Takes the next message out of the ring.
  *
- * An incomplete frame at the ring's start is waited for; bytes that can't be part of a frame are thrown away.
+ * An incomplete frame at the ring's start is waited for, whatever stands behind it; bytes that can't be part of a frame
+ * are thrown away.
  *
  * Returns `DP_RC_SUCCESS` and the message, `DP_RC_NO_FRAME` when more bytes are needed, `DP_RC_GARBAGE` when more are
  * needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, only `opcode`
