@@ -2,7 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::encoder::{EncodeError, write_shortest};
+use super::encoder::{EncodeError, Written, write_shortest};
 use super::message::Number;
 use super::vector::{AXES, MASK_AXES, Vector};
 
@@ -58,7 +58,7 @@ impl Contour {
         position: &[i32; AXES],
         velocity: Option<u16>,
         room: &mut [u8],
-    ) -> Result<usize, EncodeError> {
+    ) -> Written {
         let axes = self.target.mask & MASK_AXES;
         let before = self.target.velocity();
         let wanted = velocity.or(before);

@@ -45,22 +45,19 @@
 //!   several bytes in a row are lost, another number or position may come of it, which nothing distinguishes from a true one.
 
 mod commands;
-mod event;
 mod handshake;
 mod notices;
 mod settings;
 mod timers;
 mod window;
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, FromZeros, Immutable, KnownLayout, TryFromBytes};
 
 use super::encoder::check;
 use super::message::{Control, Kind, Numbered, Status};
 use super::receiver::NoticeReceiver;
 use super::vector::Vector;
 use crate::session::{Flags, Transmission, count, flags};
-use event::Pending;
-pub use event::{Event, Outcome};
 pub use settings::{Health, Settings};
 use window::Window;
 
@@ -121,11 +118,59 @@ pub enum QueueError {
     Range,
 }
 
+/// How a move ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
+pub enum Outcome {
+    /// It was carried out.
+    Finished = 1,
+    /// The motion side did not accept it. It was not carried out.
+    Refused = 2,
+    /// The motion side accepted it, and has stopped before it was carried out to its end.
+    Failed = 3,
+    /// It was not begun, since one before it was refused or has failed, or the session ended before it was sent.
+    Dropped = 4,
+    /// Nothing is known: no answer for too long, or it lasted too long.
+    TimedOut = 5,
+    /// Nothing is known: the motion side was restarted, or does not take this for a session any more.
+    Lost = 6,
+    /// It was carried out, but the check says not as requested: a command was damaged. The next move is sent in
+    /// positions of all axes, which corrects it.
+    Deviated = 7,
+}
+
+/// Something that happened in a host session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// The position was reported.
+    Report(&'a Vector),
+    /// An error notice came: with this code, about the command with this number if it had one. What is to be done about
+    /// it, the session does.
+    Error(u8, Option<u16>),
+    /// A session has begun.
+    Begun,
+    /// The oldest of the moves whose ends were not fetched has ended. The code is that of the error notice, or 0.
+    Ended(Outcome, u8),
+    /// A report that does not fit what was requested: the next move corrects that.
+    Drift(&'a Vector),
+    /// The status came: by request, or since the machine holds or goes on.
+    Status(Status),
+    /// The machine was stopped there, and forgot all moves; the velocity is the one in force.
+    Stopped(&'a Vector),
+    /// What was asked for past the queue got no answer, or was refused.
+    Unanswered(Control),
+}
+
 /// No session. (Anything that is none of the others is that too.)
 const IDLE: u8 = 0;
 const OPEN: u8 = 1;
 /// Something was refused: what was accepted before is waited for.
 const DRAINING: u8 = 2;
+
+flags! {
+    /// The events that wait to be fetched before the ends of moves, in this order.
+    enum Pending { Begun, Report, Drift, Stopped, Error, Status, Unanswered }
+}
 
 flags! {
     /// What is to be sent besides moves.
@@ -165,36 +210,9 @@ flags! {
 impl<const WINDOW: usize> Host<WINDOW> {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: Settings) -> Self {
+    pub fn new(settings: Settings) -> Self {
         const { assert!(1 <= WINDOW && WINDOW <= 255, "the window must hold 1 to 255 moves") };
-        Self {
-            settings,
-            health: Health::new(),
-            window: Window::new(),
-            position: Vector::new(),
-            receiver: NoticeReceiver::new(),
-            arrived_at: 0,
-            asked_at: 0,
-            progressed_at: 0,
-            went_back_at: 0,
-            held_at: 0,
-            reports_at: 0,
-            handshake: 0,
-            period: 0,
-            error_number: Numbered::NONE,
-            error_code: 0,
-            stage: IDLE,
-            pending: Flags::new(),
-            send: Flags::new(),
-            is: Flags::new(),
-            cursor: 0,
-            unanswered: 0,
-            failed_handshakes: 0,
-            since_absolute: 0,
-            control: 0,
-            control_sent: Transmission::new(),
-            status: 0,
-        }
+        Self { settings, ..Self::new_zeroed() }
     }
 
     /// Replaces the settings. For a session that has just begun.
@@ -210,11 +228,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// See [`QueueError`].
     pub fn move_to(&mut self, target: &Vector) -> Result<(), QueueError> {
         check(target, false).map_err(|_| QueueError::Range)?;
-        if !self.window.has_room() {
-            return Err(QueueError::Busy);
-        }
-        self.window.push(target);
-        Ok(())
+        if self.window.push(target) { Ok(()) } else { Err(QueueError::Busy) }
     }
 
     /// Requests that the position be reported each so many milliseconds; 0: not any more. Holds until something else is
@@ -245,7 +259,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// How many moves were requested whose ends were not fetched.
     #[must_use]
     pub const fn unfinished(&self) -> u8 {
-        self.window.len()
+        self.window.count
     }
 
     /// How the link does.
@@ -288,25 +302,23 @@ impl<const WINDOW: usize> Host<WINDOW> {
         if self.pending.is_empty() && !self.is.has(Is::Partial) {
             self.on_timer(now);
         }
-        match self.pending.take_first() {
-            Some(Pending::Begun) => Some(Event::Begun),
-            Some(Pending::Report) => Some(Event::Report(&self.position)),
-            Some(Pending::Drift) => Some(Event::Drift(&self.position)),
-            Some(Pending::Stopped) => Some(Event::Stopped(&self.position)),
-            Some(Pending::Status) => Some(Event::Status(Status::of(self.status))),
-            Some(Pending::Unanswered) => Some(Event::Unanswered(Control::of(self.control).unwrap_or(Control::Query))),
-            Some(Pending::Error) => {
-                Some(Event::Error(self.error_code, self.error_number.get().map(|number| number.value)))
-            }
-            None => {
-                let Some((outcome, code)) = self.window.take_ended() else {
-                    self.is.clear(Is::Partial);
-                    return None;
-                };
-                self.cursor = self.cursor.saturating_sub(1);
-                Some(Event::Ended(outcome, code))
-            }
-        }
+        let Some(pending) = self.pending.take_first() else {
+            let Some((outcome, code)) = self.window.take_ended() else {
+                self.is.clear(Is::Partial);
+                return None;
+            };
+            self.cursor = self.cursor.saturating_sub(1);
+            return Some(Event::Ended(outcome, code));
+        };
+        Some(match pending {
+            Pending::Begun => Event::Begun,
+            Pending::Report => Event::Report(&self.position),
+            Pending::Drift => Event::Drift(&self.position),
+            Pending::Stopped => Event::Stopped(&self.position),
+            Pending::Error => Event::Error(self.error_code, self.error_number.get().map(|number| number.value)),
+            Pending::Status => Event::Status(Status::of(self.status)),
+            Pending::Unanswered => Event::Unanswered(Control::of(self.control).unwrap_or(Control::Query)),
+        })
     }
 }
 
@@ -324,7 +336,7 @@ mod tests {
     /// The host was busy elsewhere until the move's time was over, and its end lies behind a report.
     #[test]
     fn time_is_not_over_while_bytes_are_left() {
-        let mut host = Host::<4>::new(Settings { move_ms: 500, ..Settings::new() });
+        let mut host = Host::<4>::new(Settings { move_ms: 500, ..Settings::default() });
         for _ in 0..2 {
             assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         }

@@ -1,7 +1,6 @@
 //! How a session begins: see [`host`](super).
 
-use super::event::{Outcome, Pending};
-use super::{Host, Is, OPEN, Send};
+use super::{Host, Is, OPEN, Outcome, Pending, Send};
 use crate::gx::NUMBER_MAX;
 use crate::gx::motion::STRIDE;
 use crate::session::count;
@@ -103,7 +102,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// No session can be had.
     fn give_up(&mut self) {
-        self.window.end(0, self.window.len(), Outcome::TimedOut, 0);
+        self.window.end(0, self.window.count, Outcome::TimedOut, 0);
         self.end_session(Outcome::TimedOut, 0);
     }
 }
@@ -121,7 +120,7 @@ mod tests {
         asks_for_reports: bool,
         mut answer: impl FnMut(&[u8], u32) -> Vec<u8>,
     ) -> (Option<Outcome>, bool) {
-        let mut host = Host::<4>::new(Settings::new());
+        let mut host = Host::<4>::new(Settings::default());
         assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         let mut answers: Vec<(u32, Vec<u8>)> = Vec::new();
         let end = (0..100_000).step_by(10).find_map(|now| {

@@ -1,8 +1,7 @@
 //! What a notice means.
 
-use super::event::{Outcome, Pending};
-use super::{DRAINING, Host, IDLE, Is, OPEN, Send};
-use crate::gx::{CODE_FREE, Control, Fault, Kind, Status};
+use super::{DRAINING, Host, IDLE, Is, OPEN, Outcome, Pending, Send};
+use crate::gx::{CODE_FREE, Control, Fault, Kind, NUMBER_MAX, Status};
 use crate::session::count;
 
 const BUSY: u8 = Fault::Busy as u8;
@@ -81,24 +80,29 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// The moves up to the one with this number have been carried out; `false` if none has it.
     fn finished(&mut self, number: u16, now: u32) -> bool {
-        let (OPEN | DRAINING, Some(index)) = (self.stage, self.find_unfinished(number)) else { return false };
-        self.window.end(0, index.wrapping_add(1), Outcome::Finished, 0);
+        let Some(index) = self.window.find(number, NUMBER_MAX) else { return false };
+        self.ended(index, Outcome::Finished, Outcome::Finished, now);
+        true
+    }
+
+    /// A move has ended, and before it those that had not.
+    fn ended(&mut self, index: u8, before: Outcome, outcome: Outcome, now: u32) {
+        self.window.end(0, index, before, 0);
+        self.window.end(index, index.wrapping_add(1), outcome, 0);
         self.progressed_at = now;
         self.unanswered = 0;
         self.is.clear(Is::Held);
-        true
     }
 
     /// A move whose number ends in these bits was carried out, and led where the check says; `false` if none has it.
     fn confirmed(&mut self, number: u8, check: u8, now: u32) -> bool {
-        let (OPEN | DRAINING, Some(oldest)) = (self.stage, self.window.oldest()) else { return false };
-        let Some(index) = self.window.find_ending(number).filter(|index| *index >= oldest) else { return false };
+        let Some(index) = self.window.find(number.into(), 0x7F) else { return false };
         let fits = self.window.check(index) == Some(check);
         let was_suspect = self.is.has(Is::Suspect);
         if !fits {
             count(&mut self.health.deviations);
             self.is.set(Is::OffPlan);
-            if index > oldest && !was_suspect {
+            if self.window.oldest() != Some(index) && !was_suspect {
                 // It may be the notice that was damaged. If not, the next one does not fit either.
                 self.is.set(Is::Suspect);
                 return true;
@@ -106,12 +110,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
         self.is.clear(Is::Suspect);
         let before = if was_suspect { Outcome::Deviated } else { Outcome::Finished };
-        self.window.end(0, index, before, 0);
-        let outcome = if fits { Outcome::Finished } else { Outcome::Deviated };
-        self.window.end(index, index.wrapping_add(1), outcome, 0);
-        self.progressed_at = now;
-        self.unanswered = 0;
-        self.is.clear(Is::Held);
+        self.ended(index, before, if fits { Outcome::Finished } else { Outcome::Deviated }, now);
         true
     }
 
@@ -141,18 +140,12 @@ impl<const WINDOW: usize> Host<WINDOW> {
         self.pending.set(Pending::Unanswered);
     }
 
-    /// Which of the moves that were sent and have not ended has that number.
-    fn find_unfinished(&self, number: u16) -> Option<u8> {
-        let oldest = self.window.oldest()?;
-        self.window.find(number).filter(|index| *index >= oldest)
-    }
-
     fn refused(&mut self, number: Option<u16>, code: u8, now: u32) {
         let Some(number) = number else {
             self.is.set(Is::GoingBack);
             return;
         };
-        let Some(index) = self.find_unfinished(number) else {
+        let Some(index) = self.window.find(number, NUMBER_MAX) else {
             count(&mut self.health.strays);
             return;
         };
@@ -178,7 +171,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     fn refuse(&mut self, index: u8, code: u8) {
         self.window.refuse(index, code);
-        self.cursor = self.cursor.min(self.window.sent());
+        self.cursor = self.cursor.min(self.window.sent);
         self.stage = DRAINING;
     }
 

@@ -36,23 +36,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// All of them at their defaults.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            answer_ms: 0,
-            probe_ms: 0,
-            move_ms: 0,
-            gap_ms: 0,
-            attempts: 0,
-            window: 0,
-            ascii: 0,
-            first_number: 0,
-            absolute_every: 0,
-            echo: 0,
-        }
-    }
-
     pub(super) const fn answer(&self) -> u32 {
         span(self.answer_ms, 250)
     }
@@ -122,32 +105,13 @@ pub struct Health {
     pub deviations: u32,
 }
 
-impl Health {
-    /// Nothing counted yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            moves: 0,
-            repeats: 0,
-            completions: 0,
-            errors: 0,
-            strays: 0,
-            reports: 0,
-            malformed: 0,
-            timeouts: 0,
-            sessions: 0,
-            deviations: 0,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Format, Settings};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut it = Settings::new();
+        let mut it = Settings::default();
         assert_eq!((it.answer(), it.probe(), it.move_timeout(), it.gap()), (250, 1000, 120_000, 50));
         assert_eq!((it.window(16), it.format(), it.first_number()), (16, Format::Binary, 0));
         assert!(it.allows(7) && !it.allows(8));
