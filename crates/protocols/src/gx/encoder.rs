@@ -300,8 +300,17 @@ impl<'a> Out<'a> {
         }
     }
 
+    /// The length of what was written, which is taken for sent; 0 if it does not fit.
+    pub(super) fn finish(self, sent: impl FnOnce()) -> usize {
+        let length = self.length().unwrap_or(0);
+        if length != 0 {
+            sent();
+        }
+        length
+    }
+
     /// The length of what was written, if it fits.
-    pub(super) const fn length(&self) -> Written {
+    const fn length(&self) -> Written {
         if self.length <= self.room.len() { Ok(self.length) } else { Err(EncodeError::Room) }
     }
 }

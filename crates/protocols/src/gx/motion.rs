@@ -53,7 +53,7 @@ mod queue;
 mod reports;
 mod settings;
 
-use zerocopy::{FromBytes, Immutable};
+use zerocopy::{FromBytes, Immutable, transmute};
 
 use super::encoder::{Out, confirmation};
 use super::message::{Fault, Numbered, Status};
@@ -95,15 +95,6 @@ pub struct Motion<const QUEUE: usize> {
     queue: Queue<QUEUE>,
 }
 
-/// What [`Motion::output`] has written.
-enum Written {
-    /// That a move has ended which has this check.
-    End(u8),
-    Notice,
-    Status,
-    Report,
-}
-
 /// Until a host lets it go on.
 const HELD: u8 = 1;
 /// Until the machine stands.
@@ -115,14 +106,14 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     pub const fn new() -> Self {
         const { assert!(1 <= QUEUE && QUEUE <= 255, "the queue must hold 1 to 255 moves") };
         Self {
-            settings: Settings::new(),
-            health: Health::new(),
+            settings: transmute!([0_u8; size_of::<Settings>()]),
+            health: transmute!([0_u8; size_of::<Health>()]),
             queue: Queue::new(),
             position: Vector::new(),
-            reports: Reports::new(),
-            notices: Notices::new(),
-            order: Order::new(),
-            pending: Pending::new(),
+            reports: transmute!([0_u8; size_of::<Reports>()]),
+            notices: transmute!([0_u8; size_of::<Notices>()]),
+            order: transmute!([0_u8; size_of::<Order>()]),
+            pending: transmute!([0_u8; size_of::<Pending>()]),
             receiver: CommandReceiver::new(),
             arrived_at: 0,
             busy: 0,
@@ -181,7 +172,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if now != self.arrived_at {
             self.on_timer(now);
         }
-        if self.pending.is_none() { None } else { self.pending.take(self.reports.period()) }
+        if self.pending.is_none() { None } else { self.pending.take(self.reports.period) }
     }
 
     #[inline(never)]
@@ -263,44 +254,36 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     #[inline(never)]
     fn write_next(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
-        let written = if let Some((number, check)) = self.queue.ended() {
+        if let Some((number, check)) = self.queue.ended() {
             self.write_completed(&mut out, number, Some(check));
-            Written::End(check)
-        } else if let Some(notice) = self.notices.first() {
-            let (number, code) = (notice.number(), notice.code());
+            return out.finish(|| self.queue.pop_ended(check));
+        }
+        if let Some(notice) = self.notices.first() {
+            let (number, code) = (notice.number, notice.code());
             if code == 0 {
                 self.write_completed(&mut out, number, self.queue.reported().filter(|_| self.order.was_last(number)));
             } else {
                 out.refusal(number, code, notice.format());
             }
-            Written::Notice
-        } else if self.reports.takes_status() {
+            return out.finish(|| self.notices.pop());
+        }
+        if self.reports.status_due != 0 {
             let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
             out.word(b'%', status.bits(), self.reports.format());
-            Written::Status
-        } else if self.reports.is_due(now) {
-            self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
-            self.position.velocity = self.queue.velocity();
-            out.byte(b'=');
-            out.positions(self.reports.format(), &self.position);
-            Written::Report
-        } else {
-            return 0;
-        };
-        let length = out.length().unwrap_or(0);
-        if length != 0 {
-            match written {
-                Written::End(check) => self.queue.pop_ended(check),
-                Written::Notice => self.notices.pop(),
-                Written::Status => self.reports.status_sent(),
-                Written::Report => {
-                    self.reports.sent(now);
-                    self.position.mask = 0;
-                    count(&mut self.health.reports);
-                }
-            }
+            return out.finish(|| self.reports.status_due = 0);
         }
-        length
+        if self.reports.left(now) != 0 {
+            return 0;
+        }
+        self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
+        self.position.velocity = self.queue.last.velocity;
+        out.byte(b'=');
+        out.positions(self.reports.format(), &self.position);
+        out.finish(|| {
+            self.reports.sent(now);
+            self.position.mask = 0;
+            count(&mut self.health.reports);
+        })
     }
 
     /// The notice that the command with this number was carried out; `check` is that of a move, for the host of a
@@ -339,7 +322,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     /// Whether there is something to send, reports aside.
     const fn has_notice(&self) -> bool {
-        self.queue.has_ended() || !self.notices.is_empty() || self.reports.takes_status()
+        self.queue.has_ended() || !self.notices.is_empty() || self.reports.status_due != 0
     }
 
     /// After how long an incomplete command is given up.

@@ -75,7 +75,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if vector.mask & MASK_AXES & !self.settings.axes() != 0 {
             return Verdict::Refuse(Fault::Axis);
         }
-        if !self.queue.has_room() {
+        if self.queue.free() == 0 {
             return Verdict::Refuse(Fault::Busy);
         }
         if self.queue.push(vector, is_step, number).is_err() {

@@ -56,10 +56,6 @@ pub(super) enum Begun {
 }
 
 impl Order {
-    pub(super) const fn new() -> Self {
-        Self { next: 0, refused: 0, asked: 0, paired: 0, stage: FREE, refusing: 0 }
-    }
-
     /// A host asks for reports, with a number. Where an order is kept already, or has to be (`only`), that begins a
     /// session by itself.
     pub(super) fn ask(&mut self, number: u16, only: bool) -> Begun {
@@ -149,6 +145,7 @@ impl Order {
 mod tests {
     use super::{Begun, Order, Verdict};
     use crate::gx::{Fault, Format, Numbered};
+    use zerocopy::FromZeros;
 
     fn judge(order: &Order, number: Option<u16>, only: bool) -> Verdict {
         order.judge(number.map_or(Numbered::NONE, |number| Numbered::new(number, Format::Ascii)), only)
@@ -156,7 +153,7 @@ mod tests {
 
     /// A session whose first move has the number behind this one.
     fn begun(number: u16) -> Order {
-        let mut order = Order::new();
+        let mut order = Order::new_zeroed();
         assert_eq!(order.ask(number, true), Begun::Alone);
         order
     }
@@ -188,7 +185,7 @@ mod tests {
 
     #[test]
     fn two_requests_begin() {
-        let mut order = Order::new();
+        let mut order = Order::new_zeroed();
         for (number, begun) in [
             (12, Begun::None),
             (12, Begun::None),

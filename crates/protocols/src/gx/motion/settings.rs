@@ -25,12 +25,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// All of them at their defaults.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { gap_ms: 0, axes: 0, only_in_order: 0, host_ms: 0 }
-    }
-
     /// The axes that there are, as a mask.
     pub(super) const fn axes(&self) -> u8 {
         match self.axes & MASK_AXES {
@@ -55,24 +49,14 @@ pub struct Health {
     pub reports: u32,
 }
 
-impl Health {
-    /// Nothing counted yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { moves: 0, repeats: 0, refused: 0, malformed: 0, reports: 0 }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::Settings;
 
     #[test]
     fn zero_is_the_default() {
-        let settings = Settings::new();
-        assert_eq!(settings.axes(), 0x3F);
-        let settings = Settings { gap_ms: 20, axes: 0x43, only_in_order: 0, host_ms: 0 };
-        assert_eq!(settings.axes(), 3);
-        assert_eq!(Settings { axes: 0x40, ..settings }.axes(), 0x3F);
+        for (axes, there_are) in [(0, 0x3F), (0x43, 3), (0x40, 0x3F)] {
+            assert_eq!(Settings { axes, ..Settings::default() }.axes(), there_are);
+        }
     }
 }
