@@ -23,13 +23,10 @@
 //! ```
 //!
 //! From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
-//! proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position,
-//! or a move to a position.
-//!
-//! What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
-//! gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends
-//! that has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make
-//! another move of one, which is carried out; the host finds that afterwards.
+//! proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
+//! begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
+//! only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
+//! of one, which is carried out; the host finds that afterwards.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -49,16 +46,14 @@ pub const GX_MOTION_REPEATED: c_int = 2;
 pub const GX_MOTION_REFUSED: c_int = 3;
 /// Event: a host has begun a session; its request for position reports holds too.
 pub const GX_MOTION_BEGUN: c_int = 4;
-/// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
-/// sent back, and not reported here.)
+/// Event: a host has asked for position reports, without beginning a session: period. There is nothing to do.
 pub const GX_MOTION_REPORTING: c_int = 5;
 /// Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves.
 pub const GX_MOTION_HOLD: c_int = 6;
 /// Event: a host wants the machine to go on.
 pub const GX_MOTION_RESUME: c_int = 7;
-/// Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
-/// (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
-/// also if it does already.
+/// Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`) or is silent
+/// (`GX_FAULT_SILENT`). No moves are handed out until `gx_motion_stop` is called, as soon as the machine stands.
 pub const GX_MOTION_STOP: c_int = 8;
 
 const _: () = {
@@ -74,8 +69,7 @@ const _: () = {
 pub struct MotionEvent {
     /// What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`.
     pub kind: c_int,
-    /// The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
-    /// `GX_MOTION_STOP`.
+    /// The number of the command, 0 to 16383; -1 when it has none, and from `GX_MOTION_REPORTING` on.
     pub number: c_int,
     /// Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others.
     pub code: c_int,
@@ -87,19 +81,16 @@ pub struct MotionEvent {
 #[derive(Debug)]
 #[repr(C)]
 pub struct Settings {
-    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-    /// default 1000, as somebody may be typing.
+    /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000.
     pub gap_ms: c_ulong,
     /// The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
-    /// to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+    /// to carry out; `gx_host.h` then sends something every `probe_ms`, by default 1000. 0: it is not to stop.
     pub host_ms: c_ulong,
-    /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
-    /// leave them out. By default all six.
+    /// The axes there are, bit 0 being x: commands for others are refused, and none reported. By default all six.
     pub axes: c_int,
-    /// Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
-    /// refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
-    /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
-    /// session. By default moves are taken with any number, or none, until a host begins a session.
+    /// Not 0: moves are taken in sessions only, for a machine that only hosts with sessions drive: when it was switched
+    /// off and on, or reset, it takes nothing from a host that did not notice, for the rest of the session. By default
+    /// moves are taken with any number, or none, until a host begins a session.
     pub only_in_order: c_int,
 }
 
@@ -131,9 +122,8 @@ pub struct Motion {
 }
 state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
-/// Begins a motion side. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
+/// Begins a motion side. Memory that is all zero is one too, with the default settings. settings are copied; NULL
+/// stands for the defaults.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
 ///
@@ -279,8 +269,6 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 ///
 /// code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
 ///
-/// motion was begun by `gx_motion_init` or is all zero.
-///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
 ///
 /// ```c
@@ -304,8 +292,6 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
 
 /// Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
 /// deltas are added to. position holds `GX_AXES` values in steps, x first.
-///
-/// position is NULL or points to six values.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
 /// nothing changes then.
@@ -332,8 +318,7 @@ pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *
 /// -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// int length = gx_motion_output(&motion, out, sizeof out, now_ms());
-/// if (length > 0)
+/// if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
 ///     uart_write(&uart, out, length);
 /// ```
 #[export(gx)]
@@ -389,12 +374,12 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mu
     let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let motion::Health { moves, repeats, refused, malformed, reports } = motion.health();
-    to.moves = c_ulong::from(*moves);
-    to.repeats = c_ulong::from(*repeats);
-    to.refused = c_ulong::from(*refused);
-    to.malformed = c_ulong::from(*malformed);
-    to.reports = c_ulong::from(*reports);
+    let health = motion.health();
+    to.moves = health.moves.into();
+    to.repeats = health.repeats.into();
+    to.refused = health.refused.into();
+    to.malformed = health.malformed.into();
+    to.reports = health.reports.into();
     GX_RC_SUCCESS
 }
 

@@ -25,13 +25,10 @@
  * ```
  *
  * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
- * proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position,
- * or a move to a position.
- *
- * What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
- * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends
- * that has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make
- * another move of one, which is carried out; the host finds that afterwards.
+ * proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
+ * begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
+ * only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
+ * of one, which is carried out; the host finds that afterwards.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_motion.rs by `make header`.
@@ -77,22 +74,16 @@ extern "C" {
 #define GX_MOTION_REFUSED 3
 /** Event: a host has begun a session; its request for position reports holds too. */
 #define GX_MOTION_BEGUN 4
-
-/**
- * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
- * sent back, and not reported here.)
- */
+/** Event: a host has asked for position reports, without beginning a session: period. There is nothing to do. */
 #define GX_MOTION_REPORTING 5
-
 /** Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves. */
 #define GX_MOTION_HOLD 6
 /** Event: a host wants the machine to go on. */
 #define GX_MOTION_RESUME 7
 
 /**
- * Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
- * (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
- * also if it does already.
+ * Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`) or is silent
+ * (`GX_FAULT_SILENT`). No moves are handed out until `gx_motion_stop` is called, as soon as the machine stands.
  */
 #define GX_MOTION_STOP 8
 
@@ -103,26 +94,19 @@ struct gx_motion {
 
 /** Settings of a motion side. 0 stands for the default everywhere. */
 struct gx_motion_settings {
-  /**
-   * An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-   * default 1000, as somebody may be typing.
-   */
+  /** Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000. */
   unsigned long gap_ms;
   /**
    * The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
-   * to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+   * to carry out; `gx_host.h` then sends something every `probe_ms`, by default 1000. 0: it is not to stop.
    */
   unsigned long host_ms;
-  /**
-   * Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
-   * leave them out. By default all six.
-   */
+  /** The axes there are, bit 0 being x: commands for others are refused, and none reported. By default all six. */
   int axes;
   /**
-   * Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
-   * refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
-   * off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
-   * session. By default moves are taken with any number, or none, until a host begins a session.
+   * Not 0: moves are taken in sessions only, for a machine that only hosts with sessions drive: when it was switched
+   * off and on, or reset, it takes nothing from a host that did not notice, for the rest of the session. By default
+   * moves are taken with any number, or none, until a host begins a session.
    */
   int only_in_order;
 };
@@ -131,10 +115,7 @@ struct gx_motion_settings {
 struct gx_motion_event {
   /** What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`. */
   int kind;
-  /**
-   * The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
-   * `GX_MOTION_STOP`.
-   */
+  /** The number of the command, 0 to 16383; -1 when it has none, and from `GX_MOTION_REPORTING` on. */
   int number;
   /** Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others. */
   int code;
@@ -159,9 +140,8 @@ struct gx_motion_health {
 };
 
 /**
- * Begins a motion side. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
+ * Begins a motion side. Memory that is all zero is one too, with the default settings. settings are copied; NULL
+ * stands for the defaults.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
@@ -251,8 +231,6 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
  *
  * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
  *
- * motion was begun by `gx_motion_init` or is all zero.
- *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
  * ```c
@@ -265,8 +243,6 @@ int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop"
 /**
  * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
  * deltas are added to. position holds `GX_AXES` values in steps, x first.
- *
- * position is NULL or points to six values.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
  * nothing changes then.
@@ -287,8 +263,7 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
  * -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * int length = gx_motion_output(&motion, out, sizeof out, now_ms());
- * if (length > 0)
+ * if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
