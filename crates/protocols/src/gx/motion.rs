@@ -359,20 +359,21 @@ impl<const QUEUE: usize> Default for Motion<QUEUE> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::Motion;
     use crate::gx::{ENCODED_MAX, Fault};
     use std::vec::Vec;
 
-    fn says(motion: &mut Motion<16>, received: &[u8]) -> Vec<u8> {
+    /// What it sends when it has received this.
+    pub(in crate::gx) fn says<const QUEUE: usize>(motion: &mut Motion<QUEUE>, received: &[u8], now: u32) -> Vec<u8> {
         let mut rest = received;
         while !rest.is_empty() {
-            rest = &rest[motion.receive(rest, 0)..];
-            while motion.poll(0).is_some() {}
+            rest = &rest[motion.receive(rest, now)..];
+            while motion.poll(now).is_some() {}
         }
         let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
         loop {
-            match motion.output(&mut frame, 0) {
+            match motion.output(&mut frame, now) {
                 0 => return said,
                 length => said.extend(&frame[..length]),
             }
@@ -382,11 +383,11 @@ mod tests {
     /// A host that began a new session while the machine still carried out moves of its last session, or of nobody's.
     #[test]
     fn a_stop_is_reported_to_who_waits_for_a_later_move() {
-        let mut motion = Motion::new();
-        assert_eq!(says(&mut motion, b"#7x100\nx200\n#0R0\n#5461R0\n#5462x300\n#5463x400\n"), b"#0\n#5461\n");
+        let mut motion = Motion::<16>::new();
+        assert_eq!(says(&mut motion, b"#7x100\nx200\n#0R0\n#5461R0\n#5462x300\n#5463x400\n", 0), b"#0\n#5461\n");
         assert!(motion.next().is_some());
         motion.stop(Fault::Stopped as u8);
-        assert_eq!(says(&mut motion, b""), b"#5462?20\n");
-        assert_eq!(says(&mut motion, b"#5464x500\n"), b"#5464?17\n");
+        assert_eq!(says(&mut motion, b"", 0), b"#5462?20\n");
+        assert_eq!(says(&mut motion, b"#5464x500\n", 0), b"#5464?17\n");
     }
 }

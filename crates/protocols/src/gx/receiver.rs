@@ -21,7 +21,6 @@ use super::packed::{HIGH, NUMBER_MAX, halves, low};
 use super::vector::{MASK_VELOCITY, Vector};
 
 mod binary;
-mod number;
 mod text;
 
 use text::{is_end, word};
@@ -148,11 +147,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         Some(self.malformed(Fault::Interrupted, is_packed))
     }
 
-    /// Forgets what has come of a command, as ESC does.
-    pub fn reset(&mut self) {
-        self.state = IDLE;
-    }
-
     /// The values of what was found: positions, deltas, or a velocity alone. Only those that its mask flags count.
     #[must_use]
     pub const fn vector(&self) -> &Vector {
@@ -237,7 +231,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     fn plain(&mut self, byte: u8) -> Step {
         let state = self.state;
         if byte == ESC {
-            self.reset();
+            self.state = IDLE;
             self.number = Numbered::NONE;
             return Step::Taken;
         }

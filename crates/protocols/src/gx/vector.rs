@@ -155,9 +155,7 @@ impl Vector {
         }
         Ok(())
     }
-}
 
-impl Vector {
     /// A checksum of 7 bits of a move's number and of the values that `named` flags: a residue modulo 127, which differs
     /// for values that are a power of two apart, as one flipped bit makes them.
     #[must_use]

@@ -110,7 +110,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 #[cfg(test)]
 mod tests {
     use crate::gx::host::{Event, Host, Outcome, Settings};
-    use crate::gx::motion::Motion;
+    use crate::gx::motion::{Motion, tests::says};
     use crate::gx::{CommandReceiver, ENCODED_MAX, Vector, write_completed};
     use std::vec::Vec;
 
@@ -167,18 +167,12 @@ mod tests {
         for latency in (0..2000).step_by(50) {
             let mut motion = Motion::<4>::new();
             let end = end_of_a_move(latency, false, |command, now| {
-                motion.receive(command, now);
-                while motion.poll(now).is_some() {}
+                let mut said = says(&mut motion, command, now);
                 if motion.next().is_some() {
                     motion.done();
+                    said.extend(says(&mut motion, b"", now));
                 }
-                let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
-                loop {
-                    match motion.output(&mut frame, now) {
-                        0 => return said,
-                        length => said.extend(&frame[..length]),
-                    }
-                }
+                said
             });
             assert_eq!(end, (Some(Outcome::Finished), true), "{latency} ms");
         }
