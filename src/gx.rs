@@ -382,8 +382,8 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut Notices, item: *mut Item)
     GX_RC_SUCCESS
 }
 
-/// Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
-/// how far. The position's mask flags the axes that are known. Velocities are taken over too.
+/// Takes a position, whose mask flags the axes that are known, along where an item leads: to the values of `GX_MOVE` and
+/// `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
 ///
 /// Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
 /// `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -408,9 +408,8 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
     }
 }
 
-/// The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
-/// where all axes are to be after it, and the velocity then in force; its mask flags those that the session has named
-/// up to this move. number is the move's.
+/// The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
+/// be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
 ///
 /// Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
 ///

@@ -32,11 +32,10 @@
 //!
 //! Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
 //! reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
-//! When the motion side is switched off and on, or reset, that holds only if it has only_in_order set (gx_motion.h):
-//! moves are reported as lost then. Without, it carries out again what is sent again, and moves by deltas from where it
-//! believes to be. Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in
-//! binary a mask or several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the
-//! next corrects it.
+//! When the motion side is switched off and on, or reset, that takes only_in_order there (gx_motion.h): moves are
+//! reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
+//! be. Commands have no checksum: a flipped bit, a lost mask, ASCII digit or several lost bytes can make another move,
+//! which is carried out and reported as GX_HOST_DEVIATED; the next corrects it.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -167,8 +166,7 @@ pub struct Host {
 }
 state!(Host: host::Host<GX_WINDOW_MAX>);
 
-/// Begins a session. Memory that is all zero is one too, with the default settings. settings are copied; NULL stands
-/// for the defaults.
+/// Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
 ///
@@ -200,11 +198,9 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
     GX_RC_SUCCESS
 }
 
-/// Requests a move behind those requested before. The end comes as an event.
-///
-/// target holds `GX_AXES` positions in steps, x first, of which those count that axes, a mask, flags; the other axes
-/// stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that of the move before holds.
-/// Without any axis, only the velocity is set.
+/// Requests a move behind those requested before; its end comes as an event. target holds `GX_AXES` positions in steps,
+/// x first, of which those count that axes, a mask, flags; the other axes stay. velocity is in steps per second, 0 to
+/// 16383, and holds from this move on; -1: that of the move before. Without any axis, only the velocity is set.
 ///
 /// Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when the ends of `GX_WINDOW_MAX` moves were not fetched yet, or
 /// `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value or mask is out of range, or there is neither axis nor velocity.
@@ -248,10 +244,9 @@ pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_
     }
 }
 
-/// Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before.
-/// It is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED`
-/// says that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them
-/// ended.
+/// Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before,
+/// until the answer comes: `GX_HOST_STATUS`, or of a stop `GX_HOST_STOPPED`; else `GX_HOST_UNANSWERED`. On a stop, moves
+/// end as failed or dropped, or as lost where it is not known which of them ended.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
 ///
@@ -288,8 +283,8 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
     }
 }
 
-/// Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
-/// there is none; what is to be sent after that returns `gx_host_output`.
+/// Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
+/// then `gx_host_output`.
 ///
 /// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
 /// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -333,8 +328,8 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
     }
 }
 
-/// How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
-/// the output was fetched: what it returns is then what poll(2) takes as time-out.
+/// How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called when
+/// all events and output were fetched.
 ///
 /// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
 ///
@@ -360,9 +355,7 @@ pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
     unsafe { Room::peek(host) }.map_or(0, |host| host.unfinished().into())
 }
 
-/// Copies out how the link does.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies out how the link does. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct gx_host_health health;

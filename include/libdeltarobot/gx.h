@@ -257,8 +257,8 @@ int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, s
 int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 
 /**
- * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
- * how far. The position's mask flags the axes that are known. Velocities are taken over too.
+ * Takes a position, whose mask flags the axes that are known, along where an item leads: to the values of `GX_MOVE` and
+ * `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
  *
  * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
  * `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -271,9 +271,8 @@ int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 int gx_follow(struct gx_vector *position, const struct gx_item *item);
 
 /**
- * The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
- * where all axes are to be after it, and the velocity then in force; its mask flags those that the session has named
- * up to this move. number is the move's.
+ * The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
+ * be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
  *
  * Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
  *
@@ -301,8 +300,7 @@ int gx_check(const struct gx_vector *target, int number);
 int gx_write_move(int format, const struct gx_number *number, const struct gx_vector *target, void *buf, int cap);
 
 /**
- * Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis. Returns what
- * `gx_write_move` does.
+ * Writes the short form, always binary: deltas of -63 to 63 steps an axis. Returns what `gx_write_move` does.
  *
  * ```c
  * const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
@@ -326,7 +324,7 @@ int gx_write_shortest(const struct gx_number *number, const struct gx_vector *ta
     void *buf, int cap);
 
 /**
- * Writes a command to report the position each period milliseconds, 0 to 16383; 0: never. Returns what `gx_write_move`
+ * Writes a request for position reports each period milliseconds, 0 to 16383; 0: none. Returns what `gx_write_move`
  * does.
  *
  * ```c
@@ -337,9 +335,8 @@ int gx_write_shortest(const struct gx_number *number, const struct gx_vector *ta
 int gx_write_reporting(int format, const struct gx_number *number, int period, void *buf, int cap);
 
 /**
- * Writes the notice that the command with this number was carried out, in the number's format.
- *
- * Returns what `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
+ * Writes the notice that the command with this number was carried out, in the number's format. Returns what
+ * `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
  *
  * ```c
  * if ((length = gx_write_completed(&item.number, out, sizeof out)) > 0)
@@ -361,7 +358,7 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
 int gx_write_refused(int format, const struct gx_number *number, int code, void *buf, int cap);
 
 /**
- * Writes a position report; with a velocity, the machine was stopped there, and that one is in force. Returns what
+ * Writes a position report; a velocity, the one in force, says that the machine was stopped. Returns what
  * `gx_write_move` does.
  *
  * ```c
@@ -372,8 +369,7 @@ int gx_write_refused(int format, const struct gx_number *number, int code, void 
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
 
 /**
- * Writes what a host asks for past the queue: one of `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`. Returns what
- * `gx_write_move` does.
+ * Writes what a host asks for past the queue, one of `GX_CONTROL_*`. Returns what `gx_write_move` does.
  *
  * ```c
  * if ((length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out)) > 0)
@@ -383,8 +379,7 @@ int gx_write_position(int format, const struct gx_vector *position, void *buf, i
 int gx_write_control(int format, const struct gx_number *number, int control, void *buf, int cap);
 
 /**
- * Writes the notice that a move of a session was carried out; check is what `gx_check` returns. Returns what
- * `gx_write_move` does.
+ * Writes the notice that a session's move was carried out, with its `gx_check`. Returns what `gx_write_move` does.
  *
  * ```c
  * if ((length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out)) > 0)
@@ -418,8 +413,8 @@ int gx_write_status(int format, int free, int held, void *buf, int cap);
 int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 
 /**
- * Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither
- * is known, as after an error notice.
+ * Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
+ * an error notice.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
  *
@@ -431,11 +426,9 @@ int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
 
 /**
- * Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
- * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
- * to 16383, or negative: as before.
- *
- * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+ * Writes the shortest command to the next position of a path; `gx_follow` along these commands gives the positions
+ * back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0 to 16383,
+ * or negative: as before. Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
  *
  * ```c
  * for (int i = 0; i < path_length; ++i)

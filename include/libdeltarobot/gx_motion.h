@@ -119,9 +119,7 @@ struct gx_motion_event {
   int number;
   /** Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others. */
   int code;
-  /**
-   * Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
-   */
+  /** Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds, 0 if they are off; 0 of others. */
   int period;
 };
 
@@ -140,8 +138,7 @@ struct gx_motion_health {
 };
 
 /**
- * Begins a motion side. Memory that is all zero is one too, with the default settings. settings are copied; NULL
- * stands for the defaults.
+ * Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
@@ -154,15 +151,13 @@ struct gx_motion_health {
 int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED("gx_motion_init");
 
 /**
- * Takes received bytes; `now_ms` is when they came.
- *
- * Moves are queued as they come, whatever number they have or none, unless a host begins a session: by two numbered
- * requests for position reports without another command between them, the second number 5461 behind the first (modulo
- * 16384). The second is answered by both numbers. From there on each move has to carry the next number: what was taken
- * before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
- * (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). Another
- * numbered request for position reports begins a new session. Behind `gx_motion_stop`, moves are refused until one
- * begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+ * Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
+ * begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
+ * (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
+ * taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
+ * (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
+ * numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
+ * (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
  *
  * Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
  * then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -177,8 +172,7 @@ int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsi
     GX_SIZED("gx_motion_receive");
 
 /**
- * Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
- * there is none.
+ * Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
  *
  * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -193,12 +187,10 @@ int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_mot
     GX_SIZED("gx_motion_poll");
 
 /**
- * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
- * sets the velocity is no move: it takes effect, and ends, in its turn.
- *
- * move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
- * all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,
- * receives the move's number, or -1 when it has none or its session is over.
+ * Fetches the next move to carry out; what only sets the velocity is none, and ends in its turn. Firmware that plans
+ * ahead may fetch more before the first is done. move receives the target: its mask flags the axes to be moved, and the
+ * velocity if one was ever set; the other axes hold where they are to stay, as far as that is known. number, unless it
+ * is NULL, receives the move's number, or -1 when it has none or its session is over.
  *
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when there is none, or `GX_RC_ERROR_GENERIC` when motion or move is NULL.
  *
@@ -213,8 +205,7 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
 /**
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
  *
- * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
- * NULL.
+ * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
  * ```c
  * if (motors_have_arrived())
@@ -224,12 +215,10 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
 int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 
 /**
- * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
- * the host hears of it, by the number of the oldest move that has one. A host with a session has to begin a new
- * one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
- * wanted the stop, before this call: the position is reported then, and the velocity that is in force.
- *
- * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
+ * Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
+ * the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
+ * firmware's own. A session is over. `gx_motion_set_position` has to be called before moves by deltas are taken; if the
+ * host wanted the stop, before this call: the position is reported then, and the velocity in force.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
@@ -241,8 +230,8 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop");
 
 /**
- * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
- * deltas are added to. position holds `GX_AXES` values in steps, x first.
+ * Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
+ * holds `GX_AXES` values in steps, x first.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
  * nothing changes then.
@@ -270,8 +259,8 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
 int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_motion_output");
 
 /**
- * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
- * are no events left and the output was fetched.
+ * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called when
+ * all events and output were fetched.
  *
  * Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
  *
@@ -292,9 +281,7 @@ long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_m
 int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unfinished");
 
 /**
- * Copies out what was seen.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies out what was seen. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct gx_motion_health health;

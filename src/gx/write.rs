@@ -35,14 +35,10 @@ pub unsafe extern "C" fn gx_write_move(
     cap: c_int,
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe {
-        let target = vector_of(target);
-        write(number, buf, cap, |number, room| write_move(format_of(format)?, number, target?, room))
-    }
+    unsafe { write(number, buf, cap, |number, room| write_move(format_of(format)?, number, vector_of(target)?, room)) }
 }
 
-/// Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis. Returns what
-/// `gx_write_move` does.
+/// Writes the short form, always binary: deltas of -63 to 63 steps an axis. Returns what `gx_write_move` does.
 ///
 /// ```c
 /// const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
@@ -57,10 +53,7 @@ pub unsafe extern "C" fn gx_write_step(
     cap: c_int,
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe {
-        let deltas = vector_of(deltas);
-        write(number, buf, cap, |number, room| write_step(number, deltas?, room))
-    }
+    unsafe { write(number, buf, cap, |number, room| write_step(number, vector_of(deltas)?, room)) }
 }
 
 /// Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
@@ -87,7 +80,7 @@ pub unsafe extern "C" fn gx_write_shortest(
     }
 }
 
-/// Writes a command to report the position each period milliseconds, 0 to 16383; 0: never. Returns what `gx_write_move`
+/// Writes a request for position reports each period milliseconds, 0 to 16383; 0: none. Returns what `gx_write_move`
 /// does.
 ///
 /// ```c
@@ -108,9 +101,8 @@ pub unsafe extern "C" fn gx_write_reporting(
     unsafe { write(number, buf, cap, |number, room| write_reporting(format_of(format)?, number, period, room)) }
 }
 
-/// Writes the notice that the command with this number was carried out, in the number's format.
-///
-/// Returns what `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
+/// Writes the notice that the command with this number was carried out, in the number's format. Returns what
+/// `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
 ///
 /// ```c
 /// if ((length = gx_write_completed(&item.number, out, sizeof out)) > 0)
@@ -144,7 +136,7 @@ pub unsafe extern "C" fn gx_write_refused(
     unsafe { write(number, buf, cap, |number, room| write_refused(format_of(format)?, number, code, room)) }
 }
 
-/// Writes a position report; with a velocity, the machine was stopped there, and that one is in force. Returns what
+/// Writes a position report; a velocity, the one in force, says that the machine was stopped. Returns what
 /// `gx_write_move` does.
 ///
 /// ```c
@@ -160,13 +152,11 @@ pub unsafe extern "C" fn gx_write_position(
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        let position = vector_of(position);
-        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, position?, room))
+        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, vector_of(position)?, room))
     }
 }
 
-/// Writes what a host asks for past the queue: one of `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`. Returns what
-/// `gx_write_move` does.
+/// Writes what a host asks for past the queue, one of `GX_CONTROL_*`. Returns what `gx_write_move` does.
 ///
 /// ```c
 /// if ((length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out)) > 0)
@@ -185,8 +175,7 @@ pub unsafe extern "C" fn gx_write_control(
     unsafe { write(number, buf, cap, |number, room| write_control(format_of(format)?, number, control?, room)) }
 }
 
-/// Writes the notice that a move of a session was carried out; check is what `gx_check` returns. Returns what
-/// `gx_write_move` does.
+/// Writes the notice that a session's move was carried out, with its `gx_check`. Returns what `gx_write_move` does.
 ///
 /// ```c
 /// if ((length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out)) > 0)
@@ -257,8 +246,8 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
     }
 }
 
-/// Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither
-/// is known, as after an error notice.
+/// Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
+/// an error notice.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
 ///
@@ -277,11 +266,9 @@ pub unsafe extern "C" fn gx_contour_start(contour: *mut Contour, start: *const V
     GX_RC_SUCCESS
 }
 
-/// Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
-/// positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
-/// to 16383, or negative: as before.
-///
-/// Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+/// Writes the shortest command to the next position of a path; `gx_follow` along these commands gives the positions
+/// back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0 to 16383,
+/// or negative: as before. Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
 ///
 /// ```c
 /// for (int i = 0; i < path_length; ++i)

@@ -46,9 +46,7 @@ pub fn write_step(number: Option<Number>, deltas: &Vector, room: &mut [u8]) -> W
 }
 
 /// The shortest command that leads from a position, whose mask flags the known axes, to a target: the short form if it
-/// can, and no axis that stays where it is.
-///
-/// If no axis moves the first one named is written all the same, so that there is one command for each call.
+/// can, and no axis that stays where it is, but for the first one named if none moves.
 pub fn write_shortest(number: Option<Number>, target: &Vector, from: &Vector, room: &mut [u8]) -> Written {
     check(target, false)?;
     let mut out = Out::numbered(number, room)?;
@@ -91,9 +89,7 @@ pub fn write_completed(number: Number, room: &mut [u8]) -> Written {
 }
 
 /// The notice that a command, with this number if it had one, was not carried out; the format is the command's, the code
-/// 0 to 127.
-///
-/// Without a number it begins with a line end: behind a packed number of the notice before, it would be about
+/// 0 to 127. Without a number it begins with a line end: behind a packed number of the notice before, it would be about
 /// that command.
 pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mut [u8]) -> Written {
     in_range(code <= CODE_MAX)?;
@@ -258,8 +254,7 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// The error notice to a command with this number, if it had one. If not, it begins with a line end: behind a
-    /// packed number of the notice before, it would be about that command.
+    /// See [`write_refused`].
     pub(super) fn refusal(&mut self, number: Numbered, code: u8, format: Format) {
         if !number.is_some() {
             self.byte(b'\n');

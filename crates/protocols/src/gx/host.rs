@@ -5,44 +5,40 @@
 //!
 //! # A session
 //!
-//! begins before the first move: a request for position reports is sent with a number, until that comes back, and once
-//! more with a number far from the first. A notice left over from an earlier session can be taken for the one answer or
-//! the other, not for both, so when the second has come, no older notice can come any more. A motion side that has had
-//! both keeps numbers in order from there on, and says so: before the second number it sends the first one back again.
-//! If that does not come, the request before may have got lost, and the handshake begins again with other numbers. Else the motion
-//! side expects the next number, and from here on the moves are numbered. (Where the first request was sent more than
-//! once, a late answer to it could pass for that. Then the second is sent again behind its answer, and what comes
-//! behind that counts.)
+//! begins before the first move: a request for position reports is sent with a number, and when that has come back,
+//! again with a number far from the first. A notice left over from an earlier session can be taken for one answer, not
+//! for both. A motion side that has had both keeps numbers in order from there on, and says so: before the second number
+//! it sends the first one again. If that does not come, the handshake begins again with other numbers, as the request
+//! before may have got lost. (Where the first request was sent more than once, a late answer to it could pass for that.
+//! Then the second is sent again behind its answer, and what comes behind that counts.)
 //!
 //! # A move
 //!
-//! is sent in the shortest form that leads to it from the one before, as soon as fewer than the settings' `window`
-//! are unfinished. The motion side takes moves in the order of their numbers only, and ends them in that order. So
+//! is sent in the shortest form that leads to it from the one before, with the next number, as soon as fewer than the
+//! settings' `window` are unfinished. The motion side takes moves in the order of their numbers only, and ends them in
+//! that order. So
 //!
 //! - a completion says that all moves up to this one are finished; a lost one is made up for by the next;
 //! - an error notice that is no final refusal has all unfinished moves sent again, in order, in absolute positions,
 //!   since it is not known which one was lost: none is carried out twice, as the motion side knows those it has taken;
-//! - the same when notices and commands were lost: when nothing ends for [`Settings::probe_ms`], the newest move is
-//!   sent again. If one before it was lost, it is refused; if it was finished, that is sent again; else the position is
-//!   reported.
+//! - when nothing ends for [`Settings::probe_ms`], the newest move is sent again. If one before it was lost, it is
+//!   refused; if it was finished, that is sent again; else the position is reported.
 //!
-//! Ends are reported in the order of the requests, exactly once each. A move that is refused for good takes those behind it
-//! along, which never were accepted; the next request begins a new session.
+//! Ends are reported in the order of the requests, exactly once each. A move that is refused for good takes those
+//! behind it along, which never were accepted; the next request begins a new session.
 //!
 //! # What can be relied on
 //!
-//! All this takes a motion side that keeps the numbers in order, as [`Motion`](super::motion::Motion) does. With one
-//! that only sends them back no session begins, and the moves time out, unsent.
-//!
-//! Whatever the line loses, delays or splits, and when the machine stops or this session is begun again on the same
-//! line: a move that is reported as finished was carried out once, after those before it, and one that was refused or
-//! dropped was not. There are two exceptions:
+//! With a motion side that keeps numbers in order, as [`Motion`](super::motion::Motion) does, whatever the line loses,
+//! delays or splits, and when the machine stops or this session is begun again on the same line: a move that is
+//! reported as finished was carried out once, after those before it, and one that was refused or dropped was not. (With
+//! one that only sends numbers back no session begins, and the moves time out, unsent.) There are two exceptions:
 //!
 //! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
-//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it takes
-//!   moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
-//! - Notices and commands that are forged. There are no checksums: where bits flip, or a mask, an ASCII digit or
-//!   several bytes in a row are lost, another number or position may come of it, which nothing distinguishes from a true one.
+//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it carries
+//!   out again what is sent again, and deltas from where it believes to be.
+//! - There are no checksums: where bits flip, or a mask, an ASCII digit or several bytes in a row are lost, another
+//!   number or position may come of it, which nothing distinguishes from a true one.
 
 mod commands;
 mod handshake;
@@ -134,8 +130,7 @@ pub enum Outcome {
     TimedOut = 5,
     /// Nothing is known: the motion side was restarted, or does not take this for a session any more.
     Lost = 6,
-    /// It was carried out, but the check says not as requested: a command was damaged. The next move is sent in
-    /// positions of all axes, which corrects it.
+    /// A damaged command was carried out, says the check. The next is sent in positions of all axes, which corrects it.
     Deviated = 7,
 }
 
@@ -144,8 +139,7 @@ pub enum Outcome {
 pub enum Event<'a> {
     /// The position was reported.
     Report(&'a Vector),
-    /// An error notice came: with this code, about the command with this number if it had one. What is to be done about
-    /// it, the session does.
+    /// An error notice came, with this code, about the command with this number if it had one. The session handles it.
     Error(u8, Option<u16>),
     /// A session has begun.
     Begun,
@@ -231,17 +225,17 @@ impl<const WINDOW: usize> Host<WINDOW> {
         if self.window.push(target) { Ok(()) } else { Err(QueueError::Busy) }
     }
 
-    /// Requests that the position be reported each so many milliseconds; 0: not any more. Holds until something else is
-    /// requested: if no reports come, it is asked for again.
+    /// Requests that the position be reported each so many milliseconds; 0: not any more. If no reports come, they are
+    /// asked for again.
     pub fn report(&mut self, period: u16) {
         self.period = period;
         self.is.set(Is::Reporting);
         self.send.set(Send::Reporting);
     }
 
-    /// Asks for something past the queue: to hold, to go on, to stop, or how full the queue is. Repeated until it is
-    /// answered, by [`Event::Status`] or, after a stop, [`Event::Stopped`]; what was asked for before and not answered
-    /// is not any more. A stop drops what was not sent; the other moves end when the motion side says how.
+    /// Asks for something past the queue, in place of what was asked for before, until it is answered: by
+    /// [`Event::Status`] or, after a stop, [`Event::Stopped`]. A stop drops what was not sent; the other moves end when
+    /// the motion side says how.
     pub fn control(&mut self, control: Control) {
         self.control = control.bits();
         self.control_sent.restart();

@@ -4,46 +4,34 @@
 //! to send. The firmware takes the [`next`](Motion::next) move, as many ahead as it plans with, and says when the
 //! oldest it took is [`done`](Motion::done).
 //!
-//! # Numbers
+//! # Numbers and sessions
 //!
-//! are the host's, as the proposal has it: any command may have one or none, the same one may come again, and when a
-//! command that has one is completed, it is sent back in its own format. So it is from power-up on.
-//!
-//! # Sessions
-//!
-//! That alone helps little on a line that loses bytes: deltas behind a lost command lead elsewhere, and a host that
-//! repeats a command has it carried out twice. So a host can begin a session, in which numbers are in order; that takes
-//! nothing but what the proposal has:
+//! From power-up on numbers are the host's: any command may have one or none, the same one may come again, and when a
+//! command that has one is completed, it is sent back in its own format. But deltas behind a lost command lead
+//! elsewhere, and a command that is sent again is carried out twice. So a host can begin a session, in which numbers are
+//! in order; that takes nothing but what the proposal has:
 //!
 //! - It begins with two *numbered* requests for position reports (period 0: none) without another command between them,
-//!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number, as any
-//!   numbered command is; the second by that of the first and its own, so that the host knows that both came. Ends
-//!   of moves that were queued before are not reported any more.
-//! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`Fault::Order`]; so is one
-//!   without a number, as [`Fault::Numberless`]: it may have lost it. Nothing lost goes unnoticed then, and no delta is added
-//!   to the wrong position.
-//! - A number that was taken before means a repeat: it is not carried out again. If that move has ended, its end is
-//!   sent again; else the position is reported, as a sign of life.
+//!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number; the
+//!   second by that of the first and its own, so that the host knows that both came. Ends of moves that were queued
+//!   before are not reported any more. Another numbered request begins a new session, by itself.
+//! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`Fault::Order`]; so
+//!   is one without, as [`Fault::Numberless`]: it may have lost it.
+//! - A number that was taken before is not carried out again. If that move has ended, its end is sent again; else the
+//!   position is reported, as a sign of life.
 //! - When a move is refused, those behind it are too, and only the first of them gets an error notice, until what was
 //!   refused comes again.
-//! - A numbered request for position reports begins a new session, by itself.
 //! - When the machine [stops](Motion::stop), the session is over, but the host may have sent more moves before it hears
 //!   of that: they are refused, as [`Fault::Closed`], until it begins a new one.
+//! - ESC ESC, which no host sends that begins sessions, ends one for good: moves are taken with any number or none
+//!   again, from a person at a terminal, say.
 //!
-//! ESC ESC, which no host sends that begins sessions, ends one for good: moves are taken with any number or none again,
-//! from a person at a terminal, say.
-//!
-//! A motion side that was switched off and on, or reset, does not know of the session it was in, and takes what comes
-//! as from any host. Where that may happen unseen by a host that relies on its session,
-//! [`Settings::only_in_order`] has it refuse all moves, as [`Fault::Closed`], until a session begins; for which one
-//! request is enough then.
-//!
-//! # What can't be relied on
+//! A motion side that was switched off and on, or reset, does not know of the session it was in. Where a host may not
+//! notice that, [`Settings::only_in_order`] has it refuse all moves, as [`Fault::Closed`], until a session begins; for
+//! which one request is enough then.
 //!
 //! Commands have no checksum. A flipped bit in a number, mask, velocity or position makes another command, which is
-//! carried out if its number is the next. A lost byte is noticed in binary, unless it is the mask: then the next byte
-//! is taken for that. Of several lost in a row, the rests of two commands may make one. In ASCII a lost digit is never
-//! noticed.
+//! carried out if its number is the next; so may a lost mask, several bytes lost in a row, or a lost digit in ASCII.
 
 mod commands;
 mod event;

@@ -10,28 +10,24 @@ use crate::session::{span, times};
 pub struct Settings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: u32,
-    /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
+    /// When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000.
     pub probe_ms: u32,
     /// A session is given up when a move takes longer than this from its turn on; by default 120000.
     pub move_ms: u32,
     /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
     pub gap_ms: u32,
-    /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
-    /// before it is given up; by default 8. Below 0: without end.
+    /// How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit.
     pub attempts: i16,
-    /// Most moves that are sent and unfinished at a time, 1 to the session's `WINDOW`; by default that. More than the
-    /// motion side queues are refused by it, and sent again.
+    /// Most moves that are sent and unfinished at a time: 1 to `WINDOW`, the default. Refused ones are sent again.
     pub window: u8,
     /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
     pub ascii: u8,
     /// The number that the first session begins with, 0 to 16383.
     pub first_number: u16,
-    /// Every so manieth move is sent in positions of all axes, so that nothing drifts: 1 for all of them; by default
-    /// every 16th.
+    /// Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th.
     pub absolute_every: u8,
-    /// Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
-    /// at a time is sent, in positions; again when its number has not come back after [`probe_ms`](Self::probe_ms),
-    /// which should be longer than a move lasts.
+    /// Not 0: the motion side only sends numbers back, as the proposal has it. Then without a session one move at a
+    /// time is sent, in positions; again after [`probe_ms`](Self::probe_ms), which should be longer than a move lasts.
     pub echo: u8,
 }
 
