@@ -9,10 +9,7 @@ use super::{
 use crate::memory::int;
 use crate::state::{Room, state};
 use deltarobot_export::export;
-use deltarobot_protocols::gx::{
-    self, AXES, EncodeError, Format, Status, Written, write_completed, write_confirmed, write_control, write_move,
-    write_position, write_refused, write_reporting, write_shortest, write_status, write_step,
-};
+use deltarobot_protocols::gx::{self, AXES, EncodeError, Format, Status, Written};
 
 /// Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
 /// NULL or its format is 0.
@@ -35,7 +32,9 @@ pub unsafe extern "C" fn gx_write_move(
     cap: c_int,
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_move(format_of(format)?, number, vector_of(target)?, room)) }
+    unsafe {
+        write(number, buf, cap, |number, room| gx::write_move(format_of(format)?, number, vector_of(target)?, room))
+    }
 }
 
 /// Writes the short form, always binary: deltas of -63 to 63 steps an axis. Returns what `gx_write_move` does.
@@ -53,7 +52,7 @@ pub unsafe extern "C" fn gx_write_step(
     cap: c_int,
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_step(number, vector_of(deltas)?, room)) }
+    unsafe { write(number, buf, cap, |number, room| gx::write_step(number, vector_of(deltas)?, room)) }
 }
 
 /// Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
@@ -76,7 +75,7 @@ pub unsafe extern "C" fn gx_write_shortest(
     unsafe {
         let unknown = gx::Vector::new();
         let (target, from) = (vector_of(target), vector_of(from).unwrap_or(&unknown));
-        write(number, buf, cap, |number, room| write_shortest(number, target?, from, room))
+        write(number, buf, cap, |number, room| gx::write_shortest(number, target?, from, room))
     }
 }
 
@@ -98,7 +97,7 @@ pub unsafe extern "C" fn gx_write_reporting(
     // What is none stays out of range.
     let period = u16::try_from(period).unwrap_or(u16::MAX);
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_reporting(format_of(format)?, number, period, room)) }
+    unsafe { write(number, buf, cap, |number, room| gx::write_reporting(format_of(format)?, number, period, room)) }
 }
 
 /// Writes the notice that the command with this number was carried out, in the number's format. Returns what
@@ -111,7 +110,7 @@ pub unsafe extern "C" fn gx_write_reporting(
 #[export]
 pub unsafe extern "C" fn gx_write_completed(number: *const Number, buf: *mut c_void, cap: c_int) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_completed(number.ok_or(EncodeError::Empty)?, room)) }
+    unsafe { write(number, buf, cap, |number, room| gx::write_completed(number.ok_or(EncodeError::Empty)?, room)) }
 }
 
 /// Writes the notice that a command was not carried out: with its number, if it had one, in the format of the command.
@@ -133,7 +132,7 @@ pub unsafe extern "C" fn gx_write_refused(
     // What is none stays out of range.
     let code = u8::try_from(code).unwrap_or(u8::MAX);
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_refused(format_of(format)?, number, code, room)) }
+    unsafe { write(number, buf, cap, |number, room| gx::write_refused(format_of(format)?, number, code, room)) }
 }
 
 /// Writes a position report; a velocity, the one in force, says that the machine was stopped. Returns what
@@ -152,7 +151,7 @@ pub unsafe extern "C" fn gx_write_position(
 ) -> c_int {
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        write(core::ptr::null(), buf, cap, |_, room| write_position(format_of(format)?, vector_of(position)?, room))
+        write(core::ptr::null(), buf, cap, |_, room| gx::write_position(format_of(format)?, vector_of(position)?, room))
     }
 }
 
@@ -172,7 +171,7 @@ pub unsafe extern "C" fn gx_write_control(
 ) -> c_int {
     let control = control_of(control).ok_or(EncodeError::Range);
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
-    unsafe { write(number, buf, cap, |number, room| write_control(format_of(format)?, number, control?, room)) }
+    unsafe { write(number, buf, cap, |number, room| gx::write_control(format_of(format)?, number, control?, room)) }
 }
 
 /// Writes the notice that a session's move was carried out, with its `gx_check`. Returns what `gx_write_move` does.
@@ -193,7 +192,7 @@ pub unsafe extern "C" fn gx_write_confirmed(
     unsafe {
         write(number, buf, cap, |number, room| {
             let number = number.ok_or(EncodeError::Empty)?;
-            write_confirmed(number.format, number.value, check, room)
+            gx::write_confirmed(number.format, number.value, check, room)
         })
     }
 }
@@ -215,7 +214,7 @@ pub unsafe extern "C" fn gx_write_status(
 ) -> c_int {
     let status = u8::try_from(free).map(|free| Status { free, is_held: held != 0 }).map_err(|_| EncodeError::Range);
     // SAFETY: cap is buf's size.
-    unsafe { write(core::ptr::null(), buf, cap, |_, room| write_status(format_of(format)?, status?, room)) }
+    unsafe { write(core::ptr::null(), buf, cap, |_, room| gx::write_status(format_of(format)?, status?, room)) }
 }
 
 const CONTOUR_WORDS: usize = 64 / size_of::<c_ulong>();

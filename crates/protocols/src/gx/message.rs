@@ -82,7 +82,7 @@ pub enum Kind {
     Malformed = 4,
     /// Notice: the command with this number was carried out.
     Completed = 5,
-    /// Notice: the command, with this number if it has one, was not. The code, 0 to 127, is a [`Fault`]'s or its own.
+    /// Notice: the command, with this number if any, was not; the code, 0 to 127, is a [`Fault`]'s or the controller's.
     Refused = 6,
     /// Notice: the position is the vector's; with a velocity, the machine was stopped there, and that one is in force.
     Position = 7,

@@ -165,13 +165,13 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     #[inline(never)]
     fn on_timer(&mut self, now: u32) {
-        if self.busy != 0 && self.has_room() && self.quiet_left(now, self.gap()) == 0 {
+        if self.busy != 0 && self.has_room() && left(now, self.arrived_at, self.gap()) == 0 {
             self.busy = 0;
             if let Some(kind) = self.receiver.idle() {
                 self.handle(kind);
             }
         }
-        if self.pending.is_none() && self.is_watching() && self.quiet_left(now, self.settings.host_ms) == 0 {
+        if self.pending.is_none() && self.is_watching() && left(now, self.arrived_at, self.settings.host_ms) == 0 {
             self.halt = STOPPING;
             self.pending.set(Some(EventKind::Stop), Numbered::NONE, Fault::Silent as u8);
             self.reports.answer(self.reports.format(), false);
@@ -300,10 +300,10 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         }
         let mut due = self.reports.left(now);
         if self.busy != 0 {
-            due = due.min(self.quiet_left(now, self.gap()));
+            due = due.min(left(now, self.arrived_at, self.gap()));
         }
         if self.is_watching() {
-            due = due.min(self.quiet_left(now, self.settings.host_ms));
+            due = due.min(left(now, self.arrived_at, self.settings.host_ms));
         }
         due
     }
@@ -321,11 +321,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// Whether the machine is to stop when its host is silent.
     const fn is_watching(&self) -> bool {
         self.settings.host_ms != 0 && self.halt != STOPPING && self.queue.unfinished() != 0
-    }
-
-    /// How long until nothing has come for that long.
-    const fn quiet_left(&self, now: u32, span: u32) -> u32 {
-        left(now, self.arrived_at, span)
     }
 
     /// What was seen so far.

@@ -78,7 +78,7 @@ pub struct Receiver<const NOTICES: bool> {
     left: u8,
     /// Packed bytes of the value still to come. In ASCII: the number of the word.
     place: u8,
-    number: Numbered,
+    pub(super) number: Numbered,
     /// The value that is being read, packed groups or decimal digits; then the code.
     value: u32,
     /// Axes and velocity so far; as the velocity, the period of reports too.
@@ -157,10 +157,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     #[must_use]
     pub const fn number(&self) -> Option<Number> {
         self.number.get()
-    }
-
-    pub(super) const fn numbered(&self) -> Numbered {
-        self.number
     }
 
     /// How it was written; not that of a completion, which is its number's.

@@ -21,7 +21,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
                 let code = self.receiver.code();
                 count(&mut self.health.errors);
                 self.error_code = code;
-                self.error_number = self.receiver.numbered();
+                self.error_number = self.receiver.number;
                 self.pending.set(Pending::Error);
                 if code == UNKNOWN && number.is_none() && self.asked().is_some() {
                     // A motion side that does not know the extension.

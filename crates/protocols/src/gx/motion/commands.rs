@@ -8,7 +8,7 @@ use crate::session::count;
 impl<const QUEUE: usize> Motion<QUEUE> {
     /// Deals with what the receiver has found: that is at most one event, and one notice that answers it.
     pub(super) fn handle(&mut self, kind: Kind) {
-        let (number, format) = (self.receiver.numbered(), self.receiver.format());
+        let (number, format) = (self.receiver.number, self.receiver.format());
         let mut fault = 0;
         let mut is_answered = number.is_some();
         let event = match kind {

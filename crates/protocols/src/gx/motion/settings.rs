@@ -17,7 +17,7 @@ pub struct Settings {
     /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000, as
     /// somebody may be typing.
     pub gap_ms: u32,
-    /// The machine is to stop when nothing has come for this many milliseconds, if only a status query, while there are
+    /// The machine is to stop when nothing, not even a status query, has come for this many milliseconds while there are
     /// moves to carry out. 0: it is not.
     pub host_ms: u32,
 }
