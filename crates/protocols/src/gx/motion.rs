@@ -268,7 +268,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         out.byte(b'=');
         out.positions(self.reports.format(), &self.position);
         out.finish(|| {
-            self.reports.sent(now);
+            (self.reports.due, self.reports.sent_at) = (0, now);
             self.position.mask = 0;
             count(&mut self.health.reports);
         })

@@ -16,7 +16,20 @@ impl<const WINDOW: usize> Host<WINDOW> {
     pub(super) fn handle(&mut self, kind: Kind, now: u32) {
         let number = self.receiver.number().map(|number| number.value);
         match kind {
-            Kind::Completed => self.completed(number.unwrap_or_default(), now),
+            Kind::Completed | Kind::Confirmed => {
+                count(&mut self.health.completions);
+                let number = number.unwrap_or_default();
+                let is_expected = if kind == Kind::Confirmed {
+                    self.confirmed(now)
+                } else if self.is_shaking_hands() {
+                    self.echoed(number)
+                } else {
+                    self.finished(number, now)
+                };
+                if !is_expected {
+                    count(&mut self.health.strays);
+                }
+            }
             Kind::Refused => {
                 let code = self.receiver.code();
                 count(&mut self.health.errors);
@@ -28,13 +41,6 @@ impl<const WINDOW: usize> Host<WINDOW> {
                     self.give_up_asking();
                 } else if matches!(self.stage, OPEN | DRAINING) {
                     self.refused(number, code, now);
-                }
-            }
-            Kind::Confirmed => {
-                let (number, check) = self.receiver.confirmed();
-                count(&mut self.health.completions);
-                if !self.confirmed(number, check, now) {
-                    count(&mut self.health.strays);
                 }
             }
             Kind::Status => {
@@ -70,14 +76,6 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
     }
 
-    fn completed(&mut self, number: u16, now: u32) {
-        count(&mut self.health.completions);
-        let is_expected = if self.is_shaking_hands() { self.echoed(number) } else { self.finished(number, now) };
-        if !is_expected {
-            count(&mut self.health.strays);
-        }
-    }
-
     /// The moves up to the one with this number have been carried out; `false` if none has it.
     fn finished(&mut self, number: u16, now: u32) -> bool {
         let Some(index) = self.window.find(number, NUMBER_MAX) else { return false };
@@ -95,7 +93,8 @@ impl<const WINDOW: usize> Host<WINDOW> {
     }
 
     /// A move whose number ends in these bits was carried out, and led where the check says; `false` if none has it.
-    fn confirmed(&mut self, number: u8, check: u8, now: u32) -> bool {
+    fn confirmed(&mut self, now: u32) -> bool {
+        let (number, check) = self.receiver.confirmed();
         let Some(index) = self.window.find(number.into(), 0x7F) else { return false };
         let fits = self.window.check(index) == Some(check);
         let was_suspect = self.is.has(Is::Suspect);

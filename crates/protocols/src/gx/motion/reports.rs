@@ -15,12 +15,12 @@ pub(super) struct Reports {
     /// A [`Format`]; 0: nothing was ever asked for.
     format: u8,
     /// One is due now.
-    due: u8,
+    pub(super) due: u8,
     /// The status is due now.
     pub(super) status_due: u8,
     /// In milliseconds; 0: none are wanted.
     pub(super) period: u16,
-    sent_at: u32,
+    pub(super) sent_at: u32,
 }
 
 impl Reports {
@@ -63,10 +63,5 @@ impl Reports {
 
     pub(super) fn format(&self) -> Format {
         if self.format == Format::Ascii as u8 { Format::Ascii } else { Format::Binary }
-    }
-
-    pub(super) fn sent(&mut self, now: u32) {
-        self.due = 0;
-        self.sent_at = now;
     }
 }
