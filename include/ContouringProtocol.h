@@ -134,9 +134,8 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorComman
  * before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too. The
  * posted code took any bytes for a command, and let the sum overflow.
  *
- * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
- * `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
- * NULL.
+ * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits), and else, of the
+ * short form, what UnpackCPVectorCommand does.
  *
  * ```c
  * if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)

@@ -107,9 +107,8 @@ pub unsafe extern "C" fn PackCPShortVectorCommand(
 /// before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too. The
 /// posted code took any bytes for a command, and let the sum overflow.
 ///
-/// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
-/// `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
-/// NULL.
+/// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits), and else, of the
+/// short form, what UnpackCPVectorCommand does.
 ///
 /// ```c
 /// if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
@@ -141,9 +140,7 @@ unsafe fn pack(
     write: impl FnOnce(&Vector, &mut [u8]) -> Result<usize, EncodeError>,
 ) -> c_int {
     // SAFETY: the same contract.
-    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.as_ref()) }) else {
-        return CPResult_error;
-    };
+    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.as_ref()) }) else { return CPResult_error };
     buffer.length = 0;
     let Some(command) = command else { return CPResult_error };
     match write(&command.to_core(), &mut buffer.bytes).map(u8::try_from) {

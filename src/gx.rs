@@ -208,10 +208,6 @@ impl Vector {
         // SAFETY: as in core().
         unsafe { &mut *core::ptr::from_mut(self).cast() }
     }
-
-    pub(super) fn set(&mut self, from: &gx::Vector) {
-        self.core_mut().copy(from);
-    }
 }
 
 impl Item {
@@ -257,9 +253,8 @@ impl Item {
     }
 }
 
-/// Makes a receiver of commands of any memory. Zeroed memory is one too.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when commands is NULL.
+/// Makes a receiver of commands of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+/// `GX_RC_ERROR_GENERIC` when commands is NULL.
 ///
 /// ```c
 /// struct gx_commands commands;
@@ -302,9 +297,8 @@ pub unsafe extern "C" fn gx_commands_receive(
 }
 
 /// To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
-/// and item is `GX_MALFORMED`. Else item is `GX_NONE`.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// and item is `GX_MALFORMED`. Else item is `GX_NONE`. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer
+/// is NULL.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
@@ -320,9 +314,8 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut Commands, item: *mut It
     GX_RC_SUCCESS
 }
 
-/// Makes a receiver of notices of any memory. Zeroed memory is one too.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when notices is NULL.
+/// Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+/// `GX_RC_ERROR_GENERIC` when notices is NULL.
 ///
 /// ```c
 /// struct gx_notices notices;
@@ -364,9 +357,8 @@ pub unsafe extern "C" fn gx_notices_receive(
 }
 
 /// To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
-/// become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`. Returns
+/// `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
@@ -410,7 +402,6 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
 
 /// The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
 /// be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
-///
 /// Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
 ///
 /// ```c

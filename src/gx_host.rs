@@ -166,9 +166,8 @@ pub struct Host {
 }
 state!(Host: host::Host<GX_WINDOW_MAX>);
 
-/// Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+/// Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too. Returns
+/// `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// struct gx_host_settings settings = {0};
@@ -224,9 +223,8 @@ pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes:
 }
 
 /// Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
-/// are asked for again when they stay away.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+/// are asked for again when they stay away. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the
+/// period is out of range.
 ///
 /// ```c
 /// if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
@@ -264,10 +262,9 @@ pub unsafe extern "C" fn gx_host_control(host: *mut Host, control: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Takes received bytes; `now_ms` is when they came.
-///
-/// Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
-/// rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Takes received bytes; `now_ms` is when they came. Returns how many bytes were taken: all, or fewer when events have
+/// to be fetched first by `gx_host_poll`; give it the rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL,
+/// bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -284,10 +281,8 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
 }
 
 /// Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
-/// then `gx_host_output`.
-///
-/// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
-/// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// then `gx_host_output`. Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then),
+/// or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct gx_host_event event;
@@ -328,10 +323,9 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
     }
 }
 
-/// How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called when
-/// all events and output were fetched.
-///
-/// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+/// How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called
+/// when all events and output were fetched. Returns milliseconds, or -1 when it need not be called at all or host is
+/// NULL.
 ///
 /// ```c
 /// wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
@@ -410,7 +404,7 @@ unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
         }
         Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
             // SAFETY: the same contract.
-            unsafe { (*to).position.set(position) };
+            unsafe { (*to).position.core_mut().copy(position) };
             match event {
                 Event::Report(_) => GX_HOST_REPORT,
                 Event::Drift(_) => GX_HOST_DRIFT,

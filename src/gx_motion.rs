@@ -123,7 +123,6 @@ pub struct Motion {
 state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
 /// Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
-///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
 ///
 /// ```c
@@ -179,7 +178,6 @@ pub unsafe extern "C" fn gx_motion_receive(
 }
 
 /// Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
-///
 /// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
 /// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
@@ -230,7 +228,7 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
     let Some((target, its_number)) = motion.next() else {
         return GX_RC_NO_EVENT;
     };
-    room.set(target);
+    room.core_mut().copy(target);
     if let Some(number) = number {
         *number = number_of(its_number);
     }
@@ -238,7 +236,6 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
 }
 
 /// Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
-///
 /// Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
 ///
 /// ```c
@@ -282,10 +279,8 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
 }
 
 /// Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
-/// holds `GX_AXES` values in steps, x first.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
-/// nothing changes then.
+/// holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
+/// or a value is not a position (28 bits): nothing changes then.
 ///
 /// ```c
 /// int32_t steps[GX_AXES];
@@ -323,10 +318,9 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
     }
 }
 
-/// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called when
-/// all events and output were fetched.
-///
-/// Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
+/// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called
+/// when all events and output were fetched. Returns milliseconds, or -1 when they need not be called at all or motion
+/// is NULL.
 ///
 /// ```c
 /// wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));

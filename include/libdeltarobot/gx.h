@@ -176,9 +176,8 @@ struct gx_contour {
 };
 
 /**
- * Makes a receiver of commands of any memory. Zeroed memory is one too.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when commands is NULL.
+ * Makes a receiver of commands of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+ * `GX_RC_ERROR_GENERIC` when commands is NULL.
  *
  * ```c
  * struct gx_commands commands;
@@ -205,9 +204,8 @@ int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes
 
 /**
  * To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
- * and item is `GX_MALFORMED`. Else item is `GX_NONE`.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * and item is `GX_MALFORMED`. Else item is `GX_NONE`. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer
+ * is NULL.
  *
  * ```c
  * if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
@@ -217,9 +215,8 @@ int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes
 int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 
 /**
- * Makes a receiver of notices of any memory. Zeroed memory is one too.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when notices is NULL.
+ * Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+ * `GX_RC_ERROR_GENERIC` when notices is NULL.
  *
  * ```c
  * struct gx_notices notices;
@@ -245,9 +242,8 @@ int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, s
 
 /**
  * To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
- * become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`. Returns
+ * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
@@ -273,7 +269,6 @@ int gx_follow(struct gx_vector *position, const struct gx_item *item);
 /**
  * The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
  * be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
- *
  * Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
  *
  * ```c
@@ -401,7 +396,6 @@ int gx_write_status(int format, int free, int held, void *buf, int cap);
 
 /**
  * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
- *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
  *
  * ```c
@@ -414,9 +408,7 @@ int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 
 /**
  * Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
- * an error notice.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+ * an error notice. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
  *
  * ```c
  * if (item.kind == GX_REFUSED)

@@ -174,9 +174,8 @@ struct gx_host_health {
 };
 
 /**
- * Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+ * Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too. Returns
+ * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * struct gx_host_settings settings = {0};
@@ -204,9 +203,8 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
 
 /**
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
- * are asked for again when they stay away.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+ * are asked for again when they stay away. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the
+ * period is out of range.
  *
  * ```c
  * if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
@@ -230,10 +228,9 @@ int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report
 int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control");
 
 /**
- * Takes received bytes; `now_ms` is when they came.
- *
- * Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
- * rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Takes received bytes; `now_ms` is when they came. Returns how many bytes were taken: all, or fewer when events have
+ * to be fetched first by `gx_host_poll`; give it the rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL,
+ * bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -245,10 +242,8 @@ int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned l
 
 /**
  * Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
- * then `gx_host_output`.
- *
- * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
- * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * then `gx_host_output`. Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then),
+ * or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct gx_host_event event;
@@ -274,10 +269,9 @@ int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_even
 int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_host_output");
 
 /**
- * How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called when
- * all events and output were fetched.
- *
- * Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+ * How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called
+ * when all events and output were fetched. Returns milliseconds, or -1 when it need not be called at all or host is
+ * NULL.
  *
  * ```c
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));

@@ -139,7 +139,6 @@ struct gx_motion_health {
 
 /**
  * Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
- *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
  * ```c
@@ -173,7 +172,6 @@ int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsi
 
 /**
  * Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
- *
  * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
@@ -204,7 +202,6 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
 
 /**
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
- *
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
  * ```c
@@ -231,10 +228,8 @@ int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop"
 
 /**
  * Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
- * holds `GX_AXES` values in steps, x first.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
- * nothing changes then.
+ * holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
+ * or a value is not a position (28 bits): nothing changes then.
  *
  * ```c
  * int32_t steps[GX_AXES];
@@ -259,10 +254,9 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
 int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_motion_output");
 
 /**
- * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called when
- * all events and output were fetched.
- *
- * Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
+ * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called
+ * when all events and output were fetched. Returns milliseconds, or -1 when they need not be called at all or motion
+ * is NULL.
  *
  * ```c
  * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));

@@ -228,7 +228,6 @@ pub struct Contour {
 state!(Contour: gx::Contour);
 
 /// Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
-///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
 ///
 /// ```c
@@ -246,9 +245,7 @@ pub unsafe extern "C" fn gx_contour_init(contour: *mut Contour, mask: c_uchar) -
 }
 
 /// Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
-/// an error notice.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+/// an error notice. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
 ///
 /// ```c
 /// if (item.kind == GX_REFUSED)

@@ -153,13 +153,15 @@ mod tests {
 
     /// Requests are sent again before their answers have come, and so are answered several times.
     #[test]
-    fn late_answers_are_not_taken_for_order() {
+    fn neither_late_answers_nor_reports_are_taken_for_order() {
         for latency in (0..2000).step_by(50) {
             for asks_for_reports in [false, true] {
                 let end = end_of_a_move(latency, asks_for_reports, echo);
                 assert_eq!(end, (Some(Outcome::TimedOut), false), "{latency} ms");
             }
         }
+        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
+        assert_eq!(end, (Some(Outcome::TimedOut), false));
     }
 
     #[test]
@@ -176,11 +178,5 @@ mod tests {
             });
             assert_eq!(end, (Some(Outcome::Finished), true), "{latency} ms");
         }
-    }
-
-    #[test]
-    fn reports_are_no_answers() {
-        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
-        assert_eq!(end, (Some(Outcome::TimedOut), false));
     }
 }

@@ -9,13 +9,18 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let has_event = !self.pending.is_empty() || self.window.has_ended();
-        let has_request = self.send.has(Send::Handshake) || self.send.has(Send::Reporting);
-        if has_event || has_request || self.to_retransmit().is_some() || self.may_send() {
+        if !self.pending.is_empty() || self.window.has_ended() || self.has_output() {
             return Some(0);
         }
         let left = [self.gap_left(now), self.session_left(now), self.reports_left(now), self.control_left(now)];
         left.into_iter().flatten().min()
+    }
+
+    fn has_output(&self) -> bool {
+        self.send.has(Send::Handshake)
+            || self.send.has(Send::Reporting)
+            || self.to_retransmit().is_some()
+            || self.may_send()
     }
 
     /// Does what is due. Nothing that was received is left to be looked at.
