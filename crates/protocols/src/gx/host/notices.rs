@@ -168,15 +168,20 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
     }
 
+    /// A move was refused for good: it and those behind it are taken for not sent.
     fn refuse(&mut self, index: u8, code: u8) {
-        self.window.refuse(index, code);
-        self.cursor = self.cursor.min(self.window.sent);
+        self.window.end(index, index.wrapping_add(1), Outcome::Refused, code);
+        self.window.end(index, self.window.count, Outcome::Dropped, code);
+        self.window.sent = index;
+        self.cursor = self.cursor.min(index);
         self.stage = DRAINING;
     }
 
-    /// Nothing more is known of what was sent.
+    /// Nothing more is known of what was sent, which ends like this; the other moves are dropped.
     pub(super) fn end_session(&mut self, outcome: Outcome, code: u8) {
-        self.window.end_all(outcome, code);
+        self.window.end(0, self.window.sent, outcome, code);
+        self.window.end(self.window.sent, self.window.count, Outcome::Dropped, code);
+        self.window.sent = 0;
         self.stage = IDLE;
         self.cursor = 0;
         self.send.clear(Send::Handshake);

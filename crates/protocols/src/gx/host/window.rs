@@ -95,11 +95,6 @@ impl<const SIZE: usize> Window<SIZE> {
         self.sent < self.count && self.at(self.sent).is_some_and(|requested| requested.outcome == 0)
     }
 
-    /// Whether the oldest move was not sent, and has not ended.
-    pub(super) fn waits(&self) -> bool {
-        self.sent == 0 && self.has_next()
-    }
-
     /// What a move that is sent for the first time is to be written as: without a velocity that is in force already.
     pub(super) fn command(&self, index: u8, out: &mut Vector) {
         let Some(requested) = self.at(index) else { return };
@@ -164,20 +159,6 @@ impl<const SIZE: usize> Window<SIZE> {
                 (requested.outcome, requested.code) = (outcome as u8, code);
             }
         }
-    }
-
-    /// All moves that have not ended have: those sent like this, the others are dropped.
-    pub(super) fn end_all(&mut self, outcome: Outcome, code: u8) {
-        self.end(0, self.sent, outcome, code);
-        self.end(self.sent, self.count, Outcome::Dropped, code);
-        self.sent = 0;
-    }
-
-    /// A move was refused: it and those behind it have not been sent any more.
-    pub(super) fn refuse(&mut self, index: u8, code: u8) {
-        self.end(index, index.wrapping_add(1), Outcome::Refused, code);
-        self.end(index, self.count, Outcome::Dropped, code);
-        self.sent = index;
     }
 
     /// Whether the end of the oldest is to be fetched.
