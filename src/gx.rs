@@ -374,8 +374,8 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut Notices, item: *mut Item)
     GX_RC_SUCCESS
 }
 
-/// Takes a position, whose mask flags the axes that are known, along where an item leads: to the values of `GX_MOVE` and
-/// `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
+/// Takes a position, whose mask flags the axes that are known, along where an item leads, if it does: to the values of
+/// `GX_MOVE` and `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
 ///
 /// Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
 /// `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
