@@ -73,11 +73,7 @@ typedef struct {
   uint16_t targetVelocity;
   /** Which of the values are valid: `CPMask_*`. */
   uint8_t axisMask;
-  /**
-   * x, y, z, a, b, c in steps: -134217728 to 134217727.
-   *
-   * With PackCPShortVectorCommand, and there only, these are deltas.
-   */
+  /** x, y, z, a, b, c in steps, -134217728 to 134217727; deltas with PackCPShortVectorCommand, and there only. */
   int32_t axisPosition[6];
 } CPVectorCommand;
 
@@ -91,9 +87,8 @@ typedef uint8_t CPPacked14[2];
 typedef uint8_t CPPacked28[4];
 
 /**
- * Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at.
- *
- * The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
+ * Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at. The posted code
+ * packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
  *
  * Returns 0; or, the buffer's length being 0 then, `CPResult_range` when a flagged value or the mask does not fit,
  * `CPResult_error` when the mask is empty or a pointer is NULL.
@@ -108,9 +103,8 @@ typedef uint8_t CPPacked28[4];
 int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
 /**
- * Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too.
- *
- * The posted code got positions from 2097152 and below 0 wrong, and took any bytes for a command.
+ * Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too. The
+ * posted code got positions from 2097152 and below 0 wrong, and took any bytes for a command.
  *
  * Returns 0; or, the command left as it was, `CPResult_malformed` when the buffer does not hold a long form and
  * nothing else, `CPResult_error` when a pointer is NULL.
@@ -125,11 +119,7 @@ int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *
 
 /**
  * Packs a vector of deltas: the short form. axisPosition holds how far each axis shall go on, -63 to 63 steps, not
- * where to.
- *
- * The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
- *
- * Returns what PackCPVectorCommand does.
+ * where to. Returns what PackCPVectorCommand does.
  *
  * ```c
  * CPVectorCommand deltas = {0, CPMask_x | CPMask_y, {10, -10, 0, 0, 0, 0}};
@@ -141,15 +131,11 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorComman
 
 /**
  * Unpacks a vector of deltas, the short form, and adds them to the positions: axisPosition holds where the axes are
- * before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too.
+ * before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too. The
+ * posted code took any bytes for a command, and let the sum overflow.
  *
- * The posted code took any bytes for a command, and let the sum overflow.
- *
- * command's positions are set.
- *
- * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
- * `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
- * NULL.
+ * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits), and else, of the
+ * short form, what UnpackCPVectorCommand does.
  *
  * ```c
  * if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)

@@ -1,5 +1,6 @@
 //! `ContouringProtocol.h`: vector moves of the GX binary vector protocol, packed and unpacked. It takes the place of
 //! the header that came with the proposal; libdeltarobot/gx.h has what that lacks.
+#![expect(non_upper_case_globals, non_snake_case, reason = "in the style of the posted names")]
 
 use core::ffi::c_int;
 
@@ -14,20 +15,15 @@ pub type CPPacked14 = [u8; 2];
 pub type CPPacked28 = [u8; 4];
 
 /// Done. The numbers of these codes are those of `GX_RC_*` in libdeltarobot/gx.h.
-#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
 pub const CPResult_ok: c_int = 0;
 /// A pointer is NULL, or the mask is empty.
-#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
 pub const CPResult_error: c_int = 1;
 /// The buffer does not hold what it should: start byte, mask, high bits and length are looked at.
-#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
 pub const CPResult_malformed: c_int = 8;
 /// A value does not fit, or the mask has bits that mean nothing.
-#[expect(non_upper_case_globals, reason = "in the style of the posted names")]
 pub const CPResult_range: c_int = 10;
 
 /// A vector move.
-#[expect(non_snake_case, reason = "the names are as posted")]
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CPVectorCommand {
@@ -35,9 +31,7 @@ pub struct CPVectorCommand {
     pub targetVelocity: u16,
     /// Which of the values are valid: `CPMask_*`.
     pub axisMask: u8,
-    /// x, y, z, a, b, c in steps: -134217728 to 134217727.
-    ///
-    /// With PackCPShortVectorCommand, and there only, these are deltas.
+    /// x, y, z, a, b, c in steps, -134217728 to 134217727; deltas with PackCPShortVectorCommand, and there only.
     pub axisPosition: [i32; 6],
 }
 
@@ -51,9 +45,8 @@ pub struct CPPackedVectorCommandBuffer {
     pub bytes: [u8; 28],
 }
 
-/// Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at.
-///
-/// The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
+/// Packs a vector of positions: the long form. Values that axisMask does not flag are not looked at. The posted code
+/// packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
 ///
 /// Returns 0; or, the buffer's length being 0 then, `CPResult_range` when a flagged value or the mask does not fit,
 /// `CPResult_error` when the mask is empty or a pointer is NULL.
@@ -73,9 +66,8 @@ pub unsafe extern "C" fn PackCPVectorCommand(
     unsafe { pack(buffer, command, |vector, room| write_move(Format::Binary, None, vector, room)) }
 }
 
-/// Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too.
-///
-/// The posted code got positions from 2097152 and below 0 wrong, and took any bytes for a command.
+/// Unpacks a vector of positions: the long form. Values that are not in it stay as they were, the velocity too. The
+/// posted code got positions from 2097152 and below 0 wrong, and took any bytes for a command.
 ///
 /// Returns 0; or, the command left as it was, `CPResult_malformed` when the buffer does not hold a long form and
 /// nothing else, `CPResult_error` when a pointer is NULL.
@@ -95,11 +87,7 @@ pub unsafe extern "C" fn UnpackCPVectorCommand(
 }
 
 /// Packs a vector of deltas: the short form. axisPosition holds how far each axis shall go on, -63 to 63 steps, not
-/// where to.
-///
-/// The posted code packed only the lowest bits of values that do not fit, and added to a length that nobody had set.
-///
-/// Returns what PackCPVectorCommand does.
+/// where to. Returns what PackCPVectorCommand does.
 ///
 /// ```c
 /// CPVectorCommand deltas = {0, CPMask_x | CPMask_y, {10, -10, 0, 0, 0, 0}};
@@ -116,15 +104,11 @@ pub unsafe extern "C" fn PackCPShortVectorCommand(
 }
 
 /// Unpacks a vector of deltas, the short form, and adds them to the positions: axisPosition holds where the axes are
-/// before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too.
+/// before the call, and where they shall go after it. Values that are not in it stay as they were, the velocity too. The
+/// posted code took any bytes for a command, and let the sum overflow.
 ///
-/// The posted code took any bytes for a command, and let the sum overflow.
-///
-/// command's positions are set.
-///
-/// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits),
-/// `CPResult_malformed` when the buffer does not hold a short form and nothing else, `CPResult_error` when a pointer is
-/// NULL.
+/// Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits), and else, of the
+/// short form, what UnpackCPVectorCommand does.
 ///
 /// ```c
 /// if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
@@ -156,9 +140,7 @@ unsafe fn pack(
     write: impl FnOnce(&Vector, &mut [u8]) -> Result<usize, EncodeError>,
 ) -> c_int {
     // SAFETY: the same contract.
-    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.as_ref()) }) else {
-        return CPResult_error;
-    };
+    let (Some(buffer), command) = (unsafe { (buffer.as_mut(), command.as_ref()) }) else { return CPResult_error };
     buffer.length = 0;
     let Some(command) = command else { return CPResult_error };
     match write(&command.to_core(), &mut buffer.bytes).map(u8::try_from) {

@@ -10,7 +10,6 @@ use deltarobot_protocols::gx::{
     self, AXES, CommandReceiver, Control, Fault, Format, Kind, Lost, NoticeReceiver, Receiver, Status,
 };
 
-pub mod contour;
 pub mod write;
 
 /// Done.
@@ -35,7 +34,7 @@ pub const GX_ASCII: c_int = 2;
 
 /// Nothing is complete.
 pub const GX_NONE: c_int = 0;
-/// Command: go to the positions in vector (long form or ASCII). One without axes sets the velocity of those to come.
+/// Command: go to the positions in vector (long form or ASCII); without axes, set the velocity of those to come.
 pub const GX_MOVE: c_int = 1;
 /// Command: go on by the deltas in vector, each -64 to 63 steps (short form).
 pub const GX_STEP: c_int = 2;
@@ -47,10 +46,9 @@ pub const GX_MALFORMED: c_int = 4;
 pub const GX_COMPLETED: c_int = 5;
 /// Notice: the command, with this number if it had one, was not; code says why.
 pub const GX_REFUSED: c_int = 6;
-/// Notice: the position is that in vector; with a velocity, the machine was stopped there, and that one is in force.
+/// Notice: the position is that in vector; with a velocity, which is in force, the machine was stopped there.
 pub const GX_POSITION: c_int = 7;
-/// Notice, in sessions: the move whose number ends in the seven bits of number was carried out. code is what `gx_check`
-/// makes of where it led.
+/// Notice, in sessions: the move whose number ends in these seven bits was carried out; code is its `gx_check`.
 pub const GX_CONFIRMED: c_int = 8;
 /// Command, an extension: what code asks for past the queue, one of `GX_CONTROL_*`.
 pub const GX_CONTROL: c_int = 9;
@@ -70,8 +68,7 @@ pub const GX_CONTROL_UNKNOWN: c_int = 127;
 
 /// No command begins like that.
 pub const GX_FAULT_UNKNOWN: c_int = 1;
-/// The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it
-/// and is delivered, without a number.
+/// No number from 0 to 16383. Text behind it is skipped; `!`, `*` or `~` begins a command without a number.
 pub const GX_FAULT_NUMBER: c_int = 2;
 /// Another began before this was complete, or the line fell silent.
 pub const GX_FAULT_INTERRUPTED: c_int = 3;
@@ -151,8 +148,7 @@ pub struct Item {
     pub code: c_uchar,
     /// Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted.
     pub period: u16,
-    /// Of `GX_MOVE` and `GX_POSITION`: positions. Of `GX_STEP`: deltas, to be added to the positions. Values that
-    /// its mask does not flag are 0.
+    /// Positions; of `GX_STEP` deltas, to be added to them. Values that its mask does not flag are 0.
     pub vector: Vector,
 }
 
@@ -212,10 +208,6 @@ impl Vector {
         // SAFETY: as in core().
         unsafe { &mut *core::ptr::from_mut(self).cast() }
     }
-
-    pub(super) fn set(&mut self, from: &gx::Vector) {
-        self.core_mut().copy(from);
-    }
 }
 
 impl Item {
@@ -227,8 +219,8 @@ impl Item {
         };
         let (number, vector) = (receiver.number(), receiver.vector());
         self.kind = kind as c_int;
-        self.number.value = number.map_or(0, |number| number.value);
-        self.number.format = number.map_or(0, |number| number.format as c_uchar);
+        self.number = number
+            .map_or_else(Number::default, |gx::Number { value, format }| Number { value, format: format as c_uchar });
         self.format = receiver.format() as c_uchar;
         (self.code, self.period) = match kind {
             Kind::Malformed | Kind::Refused => (receiver.code(), 0),
@@ -261,9 +253,8 @@ impl Item {
     }
 }
 
-/// Makes a receiver of commands of any memory. Zeroed memory is one too.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when commands is NULL.
+/// Makes a receiver of commands of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+/// `GX_RC_ERROR_GENERIC` when commands is NULL.
 ///
 /// ```c
 /// struct gx_commands commands;
@@ -276,19 +267,16 @@ pub unsafe extern "C" fn gx_commands_init(commands: *mut Commands) -> c_int {
 }
 
 /// Takes received bytes up to the end of a command, which item receives; if none ends there, all of them, and item is
-/// `GX_NONE`. A malformed command is one `GX_MALFORMED`, with its number if that was complete.
-///
-/// To be called as long as bytes are left. It may take none of them and report that what came before is malformed.
+/// `GX_NONE`. A malformed command is one `GX_MALFORMED`, with its number if that was complete. To be called as long as
+/// bytes are left: it may take none of them and report that what came before is malformed.
 ///
 /// Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
 /// bytes is negative.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got;) {
+/// for (int taken = 0; taken < got; handle_item(&item))
 ///     taken += gx_commands_receive(&commands, in + taken, got - taken, &item);
-///     handle_item(&item);
-/// }
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_commands_receive(
@@ -309,9 +297,8 @@ pub unsafe extern "C" fn gx_commands_receive(
 }
 
 /// To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
-/// and item is `GX_MALFORMED`. Else item is `GX_NONE`.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// and item is `GX_MALFORMED`. Else item is `GX_NONE`. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer
+/// is NULL.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
@@ -327,9 +314,8 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut Commands, item: *mut It
     GX_RC_SUCCESS
 }
 
-/// Makes a receiver of notices of any memory. Zeroed memory is one too.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when notices is NULL.
+/// Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+/// `GX_RC_ERROR_GENERIC` when notices is NULL.
 ///
 /// ```c
 /// struct gx_notices notices;
@@ -341,20 +327,16 @@ pub unsafe extern "C" fn gx_notices_init(notices: *mut Notices) -> c_int {
     unsafe { Room::init(notices) }.map_or(GX_RC_ERROR_GENERIC, |_| GX_RC_SUCCESS)
 }
 
-/// Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`.
+/// Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`. A packed number is a
+/// whole notice, but may begin an error notice too: it is reported when the next byte has come, or by
+/// `gx_notices_idle`.
 ///
-/// A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next
-/// byte has come, or by `gx_notices_idle`.
-///
-/// Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
-/// bytes is negative.
+/// Returns what `gx_commands_receive` does.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got;) {
+/// for (int taken = 0; taken < got; handle_item(&item))
 ///     taken += gx_notices_receive(&notices, in + taken, got - taken, &item);
-///     handle_item(&item);
-/// }
 /// ```
 #[export]
 pub unsafe extern "C" fn gx_notices_receive(
@@ -375,10 +357,8 @@ pub unsafe extern "C" fn gx_notices_receive(
 }
 
 /// To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
-/// become an error notice; anything else that is incomplete is given up, as `GX_MALFORMED`. Else item is
-/// `GX_NONE`.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`. Returns
+/// `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
@@ -394,12 +374,11 @@ pub unsafe extern "C" fn gx_notices_idle(notices: *mut Notices, item: *mut Item)
     GX_RC_SUCCESS
 }
 
-/// Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
-/// how far. The position's mask flags the axes that are known. Velocities are taken over too.
+/// Takes a position, whose mask flags the axes that are known, along where an item leads, if it does: to the values of
+/// `GX_MOVE` and `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
 ///
-/// Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions that
-/// there are, `GX_RC_NOT_FOUND` when it starts from an axis that is not known, `GX_RC_ERROR_GENERIC` when a pointer is
-/// NULL.
+/// Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
+/// `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
@@ -421,10 +400,8 @@ pub unsafe extern "C" fn gx_follow(position: *mut Vector, item: *const Item) -> 
     }
 }
 
-/// The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
-/// where all axes are to be after it, and the velocity then in force; its mask flags those that the session has named
-/// up to this move. number is the move's.
-///
+/// The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
+/// be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
 /// Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
 ///
 /// ```c

@@ -27,19 +27,15 @@
 //! }
 //! ```
 //!
-//! It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun; one that only
-//! sends them back is driven if `echo` is set, else moves end as timed out, and are not sent.
+//! It needs a motion side that keeps numbers in order, as gx_motion.h does in a session; one that only sends them back
+//! is driven if `echo` is set, else moves end as timed out, and are not sent.
 //!
-//! What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a
-//! move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
-//! not.
-//!
-//! What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and
-//! on, or reset. Moves are reported as lost then. Without that setting, one that was restarted takes what comes from
-//! any host: it carries out again what is sent again, and moves by deltas from where it believes to be.
-//!
-//! Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
-//! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
+//! Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
+//! reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
+//! When the motion side is switched off and on, or reset, that takes only_in_order there (gx_motion.h): moves are
+//! reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
+//! be. Commands have no checksum: a flipped bit, a lost mask, ASCII digit or several lost bytes can make another move,
+//! which is carried out and reported as GX_HOST_DEVIATED; the next corrects it.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -48,15 +44,10 @@ use super::memory::{bytes_of, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::gx::host::{self, QueueError};
+use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
 
-mod event;
-
-use event::write_event;
-
-/// Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each,
-/// in the order of the requests.
+/// Event: the oldest move has ended as outcome says: once for each move, in the order of the requests.
 pub const GX_HOST_ENDED: c_int = 1;
 /// Event: a position report: position.
 pub const GX_HOST_REPORT: c_int = 2;
@@ -68,9 +59,9 @@ pub const GX_HOST_BEGUN: c_int = 4;
 pub const GX_HOST_DRIFT: c_int = 5;
 /// Event: the status: number more moves fit into the motion side's queue, and it holds if code is not 0.
 pub const GX_HOST_STATUS: c_int = 6;
-/// Event: the machine was stopped at position, and has forgotten all moves; the velocity in it is the one in force.
+/// Event: the machine was stopped at position, with the velocity in force, and has forgotten all moves.
 pub const GX_HOST_STOPPED: c_int = 7;
-/// Event: what `gx_host_control` asked for got no answer, or is not known to the motion side: code, `GX_CONTROL_*`.
+/// Event: what `gx_host_control` asked for got no answer, or is not known there: code, `GX_CONTROL_*`.
 pub const GX_HOST_UNANSWERED: c_int = 8;
 
 /// Outcome: the move was carried out.
@@ -79,17 +70,21 @@ pub const GX_HOST_FINISHED: c_int = 1;
 pub const GX_HOST_REFUSED: c_int = 2;
 /// Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
 pub const GX_HOST_FAILED: c_int = 3;
-/// Outcome: the move was not begun, since one before it was refused or has failed, or the session ended before it was
-/// sent.
+/// Outcome: it was not begun: one before it was refused or has failed, or the session ended before it was sent.
 pub const GX_HOST_DROPPED: c_int = 4;
 /// Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
 pub const GX_HOST_TIMED_OUT: c_int = 5;
-/// Outcome: the motion side was restarted, or does not take this for a session any more. Whether the move was carried
-/// out is not known.
+/// Outcome: the motion side was restarted or has left the session. Whether the move was carried out is not known.
 pub const GX_HOST_LOST: c_int = 6;
-/// Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is
-/// sent in positions of all axes, which corrects that.
+/// Outcome: a damaged command was carried out, says the check. The next names all axes, which corrects that.
 pub const GX_HOST_DEVIATED: c_int = 7;
+
+const _: () = {
+    assert!(GX_HOST_FINISHED == Outcome::Finished as c_int && GX_HOST_REFUSED == Outcome::Refused as c_int);
+    assert!(GX_HOST_FAILED == Outcome::Failed as c_int && GX_HOST_DROPPED == Outcome::Dropped as c_int);
+    assert!(GX_HOST_TIMED_OUT == Outcome::TimedOut as c_int && GX_HOST_LOST == Outcome::Lost as c_int);
+    assert!(GX_HOST_DEVIATED == Outcome::Deviated as c_int);
+};
 
 /// Something that happened.
 #[derive(Debug)]
@@ -99,14 +94,11 @@ pub struct HostEvent {
     pub kind: c_int,
     /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_DEVIATED`; 0 of others.
     pub outcome: c_int,
-    /// Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; of
-    /// `GX_HOST_STATUS` and `GX_HOST_UNANSWERED`, see there; else 0.
+    /// Of an error notice, and of `GX_HOST_ENDED` if one is the reason: `GX_FAULT_*`; see `GX_HOST_*`; else 0.
     pub code: c_int,
-    /// Of `GX_HOST_ERROR`, the number that the notice names, -1 when it names none; of `GX_HOST_STATUS`, see there; -1
-    /// of others.
+    /// Of `GX_HOST_ERROR`, the number that the notice names; of `GX_HOST_STATUS`, see there; else -1.
     pub number: c_int,
-    /// Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`, the position; its mask flags the axes. Other events
-    /// leave it alone.
+    /// Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`; other events leave it alone.
     pub position: Vector,
 }
 
@@ -116,17 +108,15 @@ pub struct HostEvent {
 pub struct Settings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: c_ulong,
-    /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
+    /// When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000.
     pub probe_ms: c_ulong,
     /// A session is given up when a move takes longer than this from its turn on; by default 120000.
     pub move_ms: c_ulong,
     /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
     pub gap_ms: c_ulong,
-    /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
-    /// before it is given up; by default 8. Below 0: without end.
+    /// How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit.
     pub attempts: c_int,
-    /// Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
-    /// side queues are refused by it, and sent again.
+    /// Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. Refused ones are sent again.
     pub window: c_int,
     /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
     pub ascii: c_int,
@@ -134,9 +124,8 @@ pub struct Settings {
     pub first_number: c_int,
     /// Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th.
     pub absolute_every: c_int,
-    /// Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
-    /// at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be
-    /// longer than a move lasts.
+    /// Not 0: the motion side only sends numbers back, as the proposal has it. Then without a session one move at a
+    /// time is sent, in positions; again after `probe_ms`, which should be longer than a move lasts.
     pub echo: c_int,
 }
 
@@ -177,11 +166,8 @@ pub struct Host {
 }
 state!(Host: host::Host<GX_WINDOW_MAX>);
 
-/// Begins a session. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+/// Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too. Returns
+/// `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// struct gx_host_settings settings = {0};
@@ -194,46 +180,29 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
     let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(settings) = settings {
-        let &Settings {
-            answer_ms,
-            probe_ms,
-            move_ms,
-            gap_ms,
-            attempts,
-            window,
-            ascii,
-            first_number,
-            absolute_every,
-            echo,
-        } = settings;
+    if let Some(from) = settings {
         host.set(host::Settings {
-            answer_ms: duration(answer_ms),
-            probe_ms: duration(probe_ms),
-            move_ms: duration(move_ms),
-            gap_ms: duration(gap_ms),
-            attempts: short(attempts),
-            window: u8::try_from(window).unwrap_or_default(),
-            ascii: u8::from(ascii != 0),
-            first_number: u16::try_from(first_number).unwrap_or_default(),
-            absolute_every: u8::try_from(absolute_every).unwrap_or_default(),
-            echo: u8::from(echo != 0),
+            answer_ms: duration(from.answer_ms),
+            probe_ms: duration(from.probe_ms),
+            move_ms: duration(from.move_ms),
+            gap_ms: duration(from.gap_ms),
+            attempts: short(from.attempts),
+            window: u8::try_from(from.window).unwrap_or_default(),
+            ascii: u8::from(from.ascii != 0),
+            first_number: u16::try_from(from.first_number).unwrap_or_default(),
+            absolute_every: u8::try_from(from.absolute_every).unwrap_or_default(),
+            echo: u8::from(from.echo != 0),
         });
     }
     GX_RC_SUCCESS
 }
 
-/// Requests a move behind those requested before. The end comes as an event.
+/// Requests a move behind those requested before; its end comes as an event. target holds `GX_AXES` positions in steps,
+/// x first, of which those count that axes, a mask, flags; the other axes stay. velocity is in steps per second, 0 to
+/// 16383, and holds from this move on; -1: that of the move before. Without any axis, only the velocity is set.
 ///
-/// target holds `GX_AXES` positions in steps, x first; those that axes, a mask, flags (`1 << GX_AXIS`) are where these
-/// axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
-/// of the move before holds. Without any axis, only the velocity is set.
-///
-/// target is NULL or points to six values.
-///
-/// Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
-/// `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
-/// axis nor velocity.
+/// Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when the ends of `GX_WINDOW_MAX` moves were not fetched yet, or
+/// `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value or mask is out of range, or there is neither axis nor velocity.
 ///
 /// ```c
 /// const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
@@ -254,11 +223,8 @@ pub unsafe extern "C" fn gx_host_move(host: *mut Host, target: *const i32, axes:
 }
 
 /// Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
-/// are asked for again when they stay away.
-///
-/// host was begun by `gx_host_init` or is all zero.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+/// are asked for again when they stay away. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the
+/// period is out of range.
 ///
 /// ```c
 /// if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
@@ -276,10 +242,9 @@ pub unsafe extern "C" fn gx_host_report(host: *mut Host, period_ms: c_int) -> c_
     }
 }
 
-/// Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before.
-/// It is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED`
-/// says that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them
-/// ended.
+/// Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before,
+/// until the answer comes: `GX_HOST_STATUS`, or of a stop `GX_HOST_STOPPED`; else `GX_HOST_UNANSWERED`. On a stop, moves
+/// end as failed or dropped, or as lost where it is not known which of them ended.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
 ///
@@ -297,10 +262,9 @@ pub unsafe extern "C" fn gx_host_control(host: *mut Host, control: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Takes received bytes; `now_ms` is when they came.
-///
-/// Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
-/// rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Takes received bytes; `now_ms` is when they came. Returns how many bytes were taken: all, or fewer when events have
+/// to be fetched first by `gx_host_poll`; give it the rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL,
+/// bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -316,11 +280,9 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
     }
 }
 
-/// Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
-/// there is none; what is to be sent after that returns `gx_host_output`.
-///
-/// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
-/// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
+/// then `gx_host_output`. Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then),
+/// or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct gx_host_event event;
@@ -347,8 +309,7 @@ pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 /// -`GX_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// int length = gx_host_output(&host, out, sizeof out, now_ms());
-/// if (length > 0)
+/// if ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
 ///     uart_write(&uart, out, length);
 /// ```
 #[export(gx)]
@@ -362,10 +323,9 @@ pub unsafe extern "C" fn gx_host_output(host: *mut Host, buf: *mut c_void, cap: 
     }
 }
 
-/// How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
-/// the output was fetched: what it returns is then what poll(2) takes as time-out.
-///
-/// Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+/// How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called
+/// when all events and output were fetched. Returns milliseconds, or -1 when it need not be called at all or host is
+/// NULL.
 ///
 /// ```c
 /// wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
@@ -389,9 +349,7 @@ pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
     unsafe { Room::peek(host) }.map_or(0, |host| host.unfinished().into())
 }
 
-/// Copies out how the link does.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies out how the link does. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct gx_host_health health;
@@ -404,28 +362,17 @@ pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Heal
     let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let host::Health {
-        moves,
-        repeats,
-        completions,
-        errors,
-        strays,
-        reports,
-        malformed,
-        timeouts,
-        sessions,
-        deviations,
-    } = host.health();
-    to.moves = c_ulong::from(*moves);
-    to.repeats = c_ulong::from(*repeats);
-    to.completions = c_ulong::from(*completions);
-    to.errors = c_ulong::from(*errors);
-    to.strays = c_ulong::from(*strays);
-    to.reports = c_ulong::from(*reports);
-    to.malformed = c_ulong::from(*malformed);
-    to.timeouts = c_ulong::from(*timeouts);
-    to.sessions = c_ulong::from(*sessions);
-    to.deviations = c_ulong::from(*deviations);
+    let health = host.health();
+    to.moves = health.moves.into();
+    to.repeats = health.repeats.into();
+    to.completions = health.completions.into();
+    to.errors = health.errors.into();
+    to.strays = health.strays.into();
+    to.reports = health.reports.into();
+    to.malformed = health.malformed.into();
+    to.timeouts = health.timeouts.into();
+    to.sessions = health.sessions.into();
+    to.deviations = health.deviations.into();
     GX_RC_SUCCESS
 }
 
@@ -440,4 +387,49 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
         vector.set_velocity(u16::try_from(velocity).ok()?);
     }
     Some(vector)
+}
+
+/// Makes an event C's.
+///
+/// # Safety
+///
+/// to points to writable memory of its type.
+unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
+    let (mut outcome, mut code, mut number) = (0, 0, None);
+    let kind = match happened {
+        None => 0,
+        Some(Event::Ended(how, why)) => {
+            (outcome, code) = (*how as c_int, *why);
+            GX_HOST_ENDED
+        }
+        Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
+            // SAFETY: the same contract.
+            unsafe { (*to).position.core_mut().copy(position) };
+            match event {
+                Event::Report(_) => GX_HOST_REPORT,
+                Event::Drift(_) => GX_HOST_DRIFT,
+                _ => GX_HOST_STOPPED,
+            }
+        }
+        Some(Event::Error(why, of)) => {
+            (code, number) = (*why, *of);
+            GX_HOST_ERROR
+        }
+        Some(Event::Begun) => GX_HOST_BEGUN,
+        Some(Event::Status(status)) => {
+            (code, number) = (status.is_held.into(), Some(status.free.into()));
+            GX_HOST_STATUS
+        }
+        Some(Event::Unanswered(control)) => {
+            code = *control as u8;
+            GX_HOST_UNANSWERED
+        }
+    };
+    // SAFETY: the same contract.
+    unsafe {
+        (*to).kind = kind;
+        (*to).outcome = outcome;
+        (*to).code = code.into();
+        (*to).number = number.map_or(-1, |number| int(number.into()));
+    }
 }

@@ -23,13 +23,10 @@
 //! ```
 //!
 //! From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
-//! proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position,
-//! or a move to a position.
-//!
-//! What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
-//! gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends
-//! that has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make
-//! another move of one, which is carried out; the host finds that afterwards.
+//! proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
+//! begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
+//! only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
+//! of one, which is carried out; the host finds that afterwards.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -49,16 +46,14 @@ pub const GX_MOTION_REPEATED: c_int = 2;
 pub const GX_MOTION_REFUSED: c_int = 3;
 /// Event: a host has begun a session; its request for position reports holds too.
 pub const GX_MOTION_BEGUN: c_int = 4;
-/// Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
-/// sent back, and not reported here.)
+/// Event: a host has asked for position reports, without beginning a session: period. There is nothing to do.
 pub const GX_MOTION_REPORTING: c_int = 5;
 /// Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves.
 pub const GX_MOTION_HOLD: c_int = 6;
 /// Event: a host wants the machine to go on.
 pub const GX_MOTION_RESUME: c_int = 7;
-/// Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
-/// (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
-/// also if it does already.
+/// Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`) or is silent
+/// (`GX_FAULT_SILENT`). No moves are handed out until `gx_motion_stop` is called, as soon as the machine stands.
 pub const GX_MOTION_STOP: c_int = 8;
 
 const _: () = {
@@ -74,12 +69,11 @@ const _: () = {
 pub struct MotionEvent {
     /// What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`.
     pub kind: c_int,
-    /// The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
-    /// `GX_MOTION_STOP`.
+    /// The number of the command, 0 to 16383; -1 when it has none, and from `GX_MOTION_REPORTING` on.
     pub number: c_int,
     /// Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others.
     pub code: c_int,
-    /// Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
+    /// Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds, 0 if they are off; 0 of others.
     pub period: c_int,
 }
 
@@ -87,19 +81,16 @@ pub struct MotionEvent {
 #[derive(Debug)]
 #[repr(C)]
 pub struct Settings {
-    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-    /// default 1000, as somebody may be typing.
+    /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000.
     pub gap_ms: c_ulong,
     /// The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
-    /// to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+    /// to carry out; `gx_host.h` then sends something every `probe_ms`, by default 1000. 0: it is not to stop.
     pub host_ms: c_ulong,
-    /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
-    /// leave them out. By default all six.
+    /// The axes there are, bit 0 being x: commands for others are refused, and none reported. By default all six.
     pub axes: c_int,
-    /// Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
-    /// refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
-    /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
-    /// session. By default moves are taken with any number, or none, until a host begins a session.
+    /// Not 0: moves are taken in sessions only, for a machine that only hosts with sessions drive: when it was switched
+    /// off and on, or reset, it takes nothing from a host that did not notice, for the rest of the session. By default
+    /// moves are taken with any number, or none, until a host begins a session.
     pub only_in_order: c_int,
 }
 
@@ -131,10 +122,7 @@ pub struct Motion {
 }
 state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
-/// Begins a motion side. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
-///
+/// Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
 ///
 /// ```c
@@ -159,15 +147,13 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Se
     GX_RC_SUCCESS
 }
 
-/// Takes received bytes; `now_ms` is when they came.
-///
-/// Moves are queued as they come, whatever number they have or none, unless a host begins a session: by two numbered
-/// requests for position reports without another command between them, the second number 5461 behind the first (modulo
-/// 16384). The second is answered by both numbers. From there on each move has to carry the next number: what was taken
-/// before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
-/// (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). Another
-/// numbered request for position reports begins a new session. Behind `gx_motion_stop`, moves are refused until one
-/// begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+/// Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
+/// begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
+/// (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
+/// taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
+/// (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
+/// numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
+/// (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
 ///
 /// Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
 /// then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -191,9 +177,7 @@ pub unsafe extern "C" fn gx_motion_receive(
     }
 }
 
-/// Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
-/// there is none.
-///
+/// Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
 /// Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
 /// `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
@@ -223,12 +207,10 @@ pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, ev
     GX_RC_SUCCESS
 }
 
-/// Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
-/// sets the velocity is no move: it takes effect, and ends, in its turn.
-///
-/// move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
-/// all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,
-/// receives the move's number, or -1 when it has none or its session is over.
+/// Fetches the next move to carry out; what only sets the velocity is none, and ends in its turn. Firmware that plans
+/// ahead may fetch more before the first is done. move receives the target: its mask flags the axes to be moved, and the
+/// velocity if one was ever set; the other axes hold where they are to stay, as far as that is known. number, unless it
+/// is NULL, receives the move's number, or -1 when it has none or its session is over.
 ///
 /// Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when there is none, or `GX_RC_ERROR_GENERIC` when motion or move is NULL.
 ///
@@ -246,7 +228,7 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
     let Some((target, its_number)) = motion.next() else {
         return GX_RC_NO_EVENT;
     };
-    room.set(target);
+    room.core_mut().copy(target);
     if let Some(number) = number {
         *number = number_of(its_number);
     }
@@ -254,9 +236,7 @@ pub unsafe extern "C" fn gx_motion_next(motion: *mut Motion, r#move: *mut Vector
 }
 
 /// Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
-///
-/// Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
-/// NULL.
+/// Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
 ///
 /// ```c
 /// if (motors_have_arrived())
@@ -272,14 +252,10 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
     }
 }
 
-/// Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
-/// the host hears of it, by the number of the oldest move that has one. A host with a session has to begin a new
-/// one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
-/// wanted the stop, before this call: the position is reported then, and the velocity that is in force.
-///
-/// code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
-///
-/// motion was begun by `gx_motion_init` or is all zero.
+/// Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
+/// the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
+/// firmware's own. A session is over. `gx_motion_set_position` has to be called before moves by deltas are taken; if the
+/// host wanted the stop, before this call: the position is reported then, and the velocity in force.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
 ///
@@ -302,13 +278,9 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
-/// deltas are added to. position holds `GX_AXES` values in steps, x first.
-///
-/// position is NULL or points to six values.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
-/// nothing changes then.
+/// Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
+/// holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
+/// or a value is not a position (28 bits): nothing changes then.
 ///
 /// ```c
 /// int32_t steps[GX_AXES];
@@ -332,8 +304,7 @@ pub unsafe extern "C" fn gx_motion_set_position(motion: *mut Motion, position: *
 /// -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// int length = gx_motion_output(&motion, out, sizeof out, now_ms());
-/// if (length > 0)
+/// if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
 ///     uart_write(&uart, out, length);
 /// ```
 #[export(gx)]
@@ -347,10 +318,9 @@ pub unsafe extern "C" fn gx_motion_output(motion: *mut Motion, buf: *mut c_void,
     }
 }
 
-/// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
-/// are no events left and the output was fetched.
-///
-/// Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
+/// How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called
+/// when all events and output were fetched. Returns milliseconds, or -1 when they need not be called at all or motion
+/// is NULL.
 ///
 /// ```c
 /// wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
@@ -374,9 +344,7 @@ pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
     unsafe { Room::peek(motion) }.map_or(0, |motion| motion.unfinished().into())
 }
 
-/// Copies out what was seen.
-///
-/// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies out what was seen. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct gx_motion_health health;
@@ -389,12 +357,12 @@ pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mu
     let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let motion::Health { moves, repeats, refused, malformed, reports } = motion.health();
-    to.moves = c_ulong::from(*moves);
-    to.repeats = c_ulong::from(*repeats);
-    to.refused = c_ulong::from(*refused);
-    to.malformed = c_ulong::from(*malformed);
-    to.reports = c_ulong::from(*reports);
+    let health = motion.health();
+    to.moves = health.moves.into();
+    to.repeats = health.repeats.into();
+    to.refused = health.refused.into();
+    to.malformed = health.malformed.into();
+    to.reports = health.reports.into();
     GX_RC_SUCCESS
 }
 

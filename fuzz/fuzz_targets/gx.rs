@@ -6,7 +6,6 @@ use std::ffi::{c_int, c_void};
 use std::ptr::null;
 
 use deltarobot::contouring_protocol::*;
-use deltarobot::gx::contour::*;
 use deltarobot::gx::write::*;
 use deltarobot::gx::*;
 use deltarobot_fuzz::input::Input;

@@ -115,4 +115,4 @@ events! {
     gx_host::HostEvent;
     gx_motion::MotionEvent;
 }
-impl Plain for deltarobot::gx::contour::Contour {}
+impl Plain for deltarobot::gx::write::Contour {}

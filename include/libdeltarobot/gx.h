@@ -51,12 +51,8 @@ extern "C" {
 #define GX_ASCII 2
 /** Nothing is complete. */
 #define GX_NONE 0
-
-/**
- * Command: go to the positions in vector (long form or ASCII). One without axes sets the velocity of those to come.
- */
+/** Command: go to the positions in vector (long form or ASCII); without axes, set the velocity of those to come. */
 #define GX_MOVE 1
-
 /** Command: go on by the deltas in vector, each -64 to 63 steps (short form). */
 #define GX_STEP 2
 /** Command: report the position each period milliseconds. */
@@ -67,18 +63,10 @@ extern "C" {
 #define GX_COMPLETED 5
 /** Notice: the command, with this number if it had one, was not; code says why. */
 #define GX_REFUSED 6
-
-/**
- * Notice: the position is that in vector; with a velocity, the machine was stopped there, and that one is in force.
- */
+/** Notice: the position is that in vector; with a velocity, which is in force, the machine was stopped there. */
 #define GX_POSITION 7
-
-/**
- * Notice, in sessions: the move whose number ends in the seven bits of number was carried out. code is what `gx_check`
- * makes of where it led.
- */
+/** Notice, in sessions: the move whose number ends in these seven bits was carried out; code is its `gx_check`. */
 #define GX_CONFIRMED 8
-
 /** Command, an extension: what code asks for past the queue, one of `GX_CONTROL_*`. */
 #define GX_CONTROL 9
 /** Notice, an extension: period more moves fit into the queue, and the machine holds if code is not 0. */
@@ -95,13 +83,8 @@ extern "C" {
 #define GX_CONTROL_UNKNOWN 127
 /** No command begins like that. */
 #define GX_FAULT_UNKNOWN 1
-
-/**
- * The number is none, or above 16383. Text behind it is skipped; a command that begins with `!`, `*` or `~` clears it
- * and is delivered, without a number.
- */
+/** No number from 0 to 16383. Text behind it is skipped; `!`, `*` or `~` begins a command without a number. */
 #define GX_FAULT_NUMBER 2
-
 /** Another began before this was complete, or the line fell silent. */
 #define GX_FAULT_INTERRUPTED 3
 /** A byte that has no place there. */
@@ -178,10 +161,7 @@ struct gx_item {
   unsigned char code;
   /** Of `GX_REPORTING`: milliseconds between two reports, 0 to 16383; 0: none are wanted. */
   uint16_t period;
-  /**
-   * Of `GX_MOVE` and `GX_POSITION`: positions. Of `GX_STEP`: deltas, to be added to the positions. Values that
-   * its mask does not flag are 0.
-   */
+  /** Positions; of `GX_STEP` deltas, to be added to them. Values that its mask does not flag are 0. */
   struct gx_vector vector;
 };
 
@@ -196,9 +176,8 @@ struct gx_contour {
 };
 
 /**
- * Makes a receiver of commands of any memory. Zeroed memory is one too.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when commands is NULL.
+ * Makes a receiver of commands of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+ * `GX_RC_ERROR_GENERIC` when commands is NULL.
  *
  * ```c
  * struct gx_commands commands;
@@ -209,28 +188,24 @@ int gx_commands_init(struct gx_commands *commands);
 
 /**
  * Takes received bytes up to the end of a command, which item receives; if none ends there, all of them, and item is
- * `GX_NONE`. A malformed command is one `GX_MALFORMED`, with its number if that was complete.
- *
- * To be called as long as bytes are left. It may take none of them and report that what came before is malformed.
+ * `GX_NONE`. A malformed command is one `GX_MALFORMED`, with its number if that was complete. To be called as long as
+ * bytes are left: it may take none of them and report that what came before is malformed.
  *
  * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
  * bytes is negative.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got;) {
+ * for (int taken = 0; taken < got; handle_item(&item))
  *     taken += gx_commands_receive(&commands, in + taken, got - taken, &item);
- *     handle_item(&item);
- * }
  * ```
  */
 int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes, struct gx_item *item);
 
 /**
  * To be called when the line has been quiet for longer than a command takes: a command that is incomplete is given up
- * and item is `GX_MALFORMED`. Else item is `GX_NONE`.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * and item is `GX_MALFORMED`. Else item is `GX_NONE`. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer
+ * is NULL.
  *
  * ```c
  * if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
@@ -240,9 +215,8 @@ int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes
 int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 
 /**
- * Makes a receiver of notices of any memory. Zeroed memory is one too.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when notices is NULL.
+ * Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
+ * `GX_RC_ERROR_GENERIC` when notices is NULL.
  *
  * ```c
  * struct gx_notices notices;
@@ -252,30 +226,24 @@ int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 int gx_notices_init(struct gx_notices *notices);
 
 /**
- * Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`.
+ * Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`. A packed number is a
+ * whole notice, but may begin an error notice too: it is reported when the next byte has come, or by
+ * `gx_notices_idle`.
  *
- * A packed number is a whole notice, but may be the beginning of an error notice too: it is reported when the next
- * byte has come, or by `gx_notices_idle`.
- *
- * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
- * bytes is negative.
+ * Returns what `gx_commands_receive` does.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got;) {
+ * for (int taken = 0; taken < got; handle_item(&item))
  *     taken += gx_notices_receive(&notices, in + taken, got - taken, &item);
- *     handle_item(&item);
- * }
  * ```
  */
 int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, struct gx_item *item);
 
 /**
  * To be called when the line has been quiet for longer than a notice takes: reports the completion that could have
- * become an error notice; anything else that is incomplete is given up, as `GX_MALFORMED`. Else item is
- * `GX_NONE`.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`. Returns
+ * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
@@ -285,12 +253,11 @@ int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, s
 int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 
 /**
- * Takes a position along where an item leads, if it does: `GX_MOVE` and `GX_POSITION` say where that is, `GX_STEP`
- * how far. The position's mask flags the axes that are known. Velocities are taken over too.
+ * Takes a position, whose mask flags the axes that are known, along where an item leads, if it does: to the values of
+ * `GX_MOVE` and `GX_POSITION`, on by those of `GX_STEP`. Velocities are taken over too.
  *
- * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions that
- * there are, `GX_RC_NOT_FOUND` when it starts from an axis that is not known, `GX_RC_ERROR_GENERIC` when a pointer is
- * NULL.
+ * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
+ * `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
@@ -300,10 +267,8 @@ int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 int gx_follow(struct gx_vector *position, const struct gx_item *item);
 
 /**
- * The check of a move: what its confirmation in a session holds, and what a host compares with its plan. target is
- * where all axes are to be after it, and the velocity then in force; its mask flags those that the session has named
- * up to this move. number is the move's.
- *
+ * The check in the confirmation of the move with this number, for its host to compare. target is where all axes are to
+ * be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
  * Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
  *
  * ```c
@@ -312,50 +277,6 @@ int gx_follow(struct gx_vector *position, const struct gx_item *item);
  * ```
  */
 int gx_check(const struct gx_vector *target, int number);
-
-/**
- * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
- *
- * ```c
- * struct gx_contour contour;
- * gx_contour_init(&contour, 1 | 2 | 4);
- * gx_contour_start(&contour, &position);
- * ```
- */
-int gx_contour_init(struct gx_contour *contour, unsigned char mask);
-
-/**
- * Sets where the machine is, and how fast it was ordered to move, as far as the mask of start says so; NULL: neither
- * is known, as after an error notice.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
- *
- * ```c
- * if (item.kind == GX_REFUSED)
- *     gx_contour_start(&contour, NULL);
- * ```
- */
-int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
-
-/**
- * Writes the shortest command that leads to the next position of a path; `gx_follow` along these commands gives the
- * positions back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0
- * to 16383, or negative: as before.
- *
- * position is NULL or points to six values.
- *
- * Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
- *
- * ```c
- * for (int i = 0; i < path_length; ++i)
- *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
- *         uart_write(&uart, out, length);
- * ```
- */
-int gx_contour_segment(struct gx_contour *contour, const struct gx_number *number, const int32_t *position,
-    int velocity, void *buf, int cap);
 
 /**
  * Writes a vector of positions: `GX_BINARY`, the long form, or `GX_ASCII`. number goes in front of it unless it is
@@ -367,22 +288,18 @@ int gx_contour_segment(struct gx_contour *contour, const struct gx_number *numbe
  *
  * ```c
  * const struct gx_vector target = {500, 1 | GX_MASK_VELOCITY, {1000, 0, 0, 0, 0, 0}};
- * int length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_move(int format, const struct gx_number *number, const struct gx_vector *target, void *buf, int cap);
 
 /**
- * Writes the short form, always binary: deltas holds how far to go on, -63 to 63 steps an axis.
- *
- * Returns what `gx_write_move` does.
+ * Writes the short form, always binary: deltas of -63 to 63 steps an axis. Returns what `gx_write_move` does.
  *
  * ```c
  * const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
- * int length = gx_write_step(NULL, &deltas, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_step(NULL, &deltas, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
@@ -390,13 +307,11 @@ int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas
 
 /**
  * Writes the shortest command, always binary, that leads from a position to a target: the short form if it can, and no
- * axis that stays where it is. The mask of from flags the axes that are known; NULL: none.
- *
- * Returns what `gx_write_move` does.
+ * axis that stays where it is. The mask of from flags the axes that are known; NULL: none. Returns what
+ * `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_shortest(NULL, &target, &position, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_shortest(NULL, &target, &position, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
@@ -404,26 +319,22 @@ int gx_write_shortest(const struct gx_number *number, const struct gx_vector *ta
     void *buf, int cap);
 
 /**
- * Writes a command to report the position each period milliseconds, 0 to 16383; 0: never.
- *
- * Returns what `gx_write_move` does.
+ * Writes a request for position reports each period milliseconds, 0 to 16383; 0: none. Returns what `gx_write_move`
+ * does.
  *
  * ```c
- * int length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_reporting(int format, const struct gx_number *number, int period, void *buf, int cap);
 
 /**
- * Writes the notice that the command with this number was carried out, in the number's format.
- *
- * Returns what `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
+ * Writes the notice that the command with this number was carried out, in the number's format. Returns what
+ * `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
  *
  * ```c
- * int length = gx_write_completed(&item.number, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_completed(&item.number, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
@@ -431,55 +342,42 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
 
 /**
  * Writes the notice that a command was not carried out: with its number, if it had one, in the format of the command.
- * code is 0 to 127: `GX_FAULT_*` or the firmware's own.
- *
- * Without a number it begins with a line end: behind a packed number of the notice before, it would be about that
- * command.
- *
- * Returns what `gx_write_move` does.
+ * code is 0 to 127: `GX_FAULT_*` or the firmware's own. Without a number it begins with a line end: behind a packed
+ * number of the notice before, it would be about that command. Returns what `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_refused(int format, const struct gx_number *number, int code, void *buf, int cap);
 
 /**
- * Writes a position report; with a velocity, the machine was stopped there, and that one is in force.
- *
- * Returns what `gx_write_move` does.
+ * Writes a position report; a velocity, the one in force, says that the machine was stopped. Returns what
+ * `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_position(GX_BINARY, &position, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_position(GX_BINARY, &position, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
 
 /**
- * Writes what a host asks for past the queue: one of `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`.
- *
- * Returns what `gx_write_move` does.
+ * Writes what a host asks for past the queue, one of `GX_CONTROL_*`. Returns what `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_control(int format, const struct gx_number *number, int control, void *buf, int cap);
 
 /**
- * Writes the notice that a move of a session was carried out; check is what `gx_check` returns.
- *
- * Returns what `gx_write_move` does.
+ * Writes the notice that a session's move was carried out, with its `gx_check`. Returns what `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
@@ -487,16 +385,51 @@ int gx_write_confirmed(const struct gx_number *number, int check, void *buf, int
 
 /**
  * Writes the status of a motion side: free more moves fit into its queue, at most 255, and it holds if held is not 0.
- *
  * Returns what `gx_write_move` does.
  *
  * ```c
- * int length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out);
- * if (length > 0)
+ * if ((length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out)) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_write_status(int format, int free, int held, void *buf, int cap);
+
+/**
+ * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
+ * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
+ *
+ * ```c
+ * struct gx_contour contour;
+ * gx_contour_init(&contour, 1 | 2 | 4);
+ * gx_contour_start(&contour, &position);
+ * ```
+ */
+int gx_contour_init(struct gx_contour *contour, unsigned char mask);
+
+/**
+ * Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
+ * an error notice. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
+ *
+ * ```c
+ * if (item.kind == GX_REFUSED)
+ *     gx_contour_start(&contour, NULL);
+ * ```
+ */
+int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
+
+/**
+ * Writes the shortest command to the next position of a path; `gx_follow` along these commands gives the positions
+ * back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0 to 16383,
+ * or negative: as before. Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
+ *
+ * ```c
+ * for (int i = 0; i < path_length; ++i)
+ *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
+ * ```
+ */
+int gx_contour_segment(struct gx_contour *contour, const struct gx_number *number, const int32_t *position,
+    int velocity, void *buf, int cap);
 
 #ifdef __cplusplus
 }

@@ -29,19 +29,15 @@
  * }
  * ```
  *
- * It needs a motion side that keeps numbers in order, as gx_motion.h does when a session has begun; one that only
- * sends them back is driven if `echo` is set, else moves end as timed out, and are not sent.
+ * It needs a motion side that keeps numbers in order, as gx_motion.h does in a session; one that only sends them back
+ * is driven if `echo` is set, else moves end as timed out, and are not sent.
  *
- * What holds: whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a
- * move is reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was
- * not.
- *
- * What holds only with a motion side that has only_in_order set (gx_motion.h): the same when it is switched off and
- * on, or reset. Moves are reported as lost then. Without that setting, one that was restarted takes what comes from
- * any host: it carries out again what is sent again, and moves by deltas from where it believes to be.
- *
- * Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
- * several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
+ * Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
+ * reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
+ * When the motion side is switched off and on, or reset, that takes only_in_order there (gx_motion.h): moves are
+ * reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
+ * be. Commands have no checksum: a flipped bit, a lost mask, ASCII digit or several lost bytes can make another move,
+ * which is carried out and reported as GX_HOST_DEVIATED; the next corrects it.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_host.rs by `make header`.
@@ -74,12 +70,8 @@ LIBDELTAROBOT_NOT_PACKED(gx_host);
 extern "C" {
 #endif
 
-/**
- * Event: the oldest of the moves whose ends were not fetched has ended as outcome says. Comes exactly once for each,
- * in the order of the requests.
- */
+/** Event: the oldest move has ended as outcome says: once for each move, in the order of the requests. */
 #define GX_HOST_ENDED 1
-
 /** Event: a position report: position. */
 #define GX_HOST_REPORT 2
 /** Event: an error notice: code, number. What is to be done about it, the session does. */
@@ -90,43 +82,23 @@ extern "C" {
 #define GX_HOST_DRIFT 5
 /** Event: the status: number more moves fit into the motion side's queue, and it holds if code is not 0. */
 #define GX_HOST_STATUS 6
-
-/**
- * Event: the machine was stopped at position, and has forgotten all moves; the velocity in it is the one in force.
- */
+/** Event: the machine was stopped at position, with the velocity in force, and has forgotten all moves. */
 #define GX_HOST_STOPPED 7
-
-/**
- * Event: what `gx_host_control` asked for got no answer, or is not known to the motion side: code, `GX_CONTROL_*`.
- */
+/** Event: what `gx_host_control` asked for got no answer, or is not known there: code, `GX_CONTROL_*`. */
 #define GX_HOST_UNANSWERED 8
-
 /** Outcome: the move was carried out. */
 #define GX_HOST_FINISHED 1
 /** Outcome: the motion side did not accept the move. It was not carried out. */
 #define GX_HOST_REFUSED 2
 /** Outcome: the motion side accepted the move, and has stopped before it was carried out to its end. */
 #define GX_HOST_FAILED 3
-
-/**
- * Outcome: the move was not begun, since one before it was refused or has failed, or the session ended before it was
- * sent.
- */
+/** Outcome: it was not begun: one before it was refused or has failed, or the session ended before it was sent. */
 #define GX_HOST_DROPPED 4
-
 /** Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known. */
 #define GX_HOST_TIMED_OUT 5
-
-/**
- * Outcome: the motion side was restarted, or does not take this for a session any more. Whether the move was carried
- * out is not known.
- */
+/** Outcome: the motion side was restarted or has left the session. Whether the move was carried out is not known. */
 #define GX_HOST_LOST 6
-
-/**
- * Outcome: the move was carried out, but not as requested, says the check: a command was damaged. The next move is
- * sent in positions of all axes, which corrects that.
- */
+/** Outcome: a damaged command was carried out, says the check. The next names all axes, which corrects that. */
 #define GX_HOST_DEVIATED 7
 
 /** A host session. All zero is a new session with default settings. Its contents are private. */
@@ -138,22 +110,16 @@ struct gx_host {
 struct gx_host_settings {
   /** How long an answer may take to come; by default 250. What asks for one is not sent again sooner. */
   unsigned long answer_ms;
-  /**
-   * How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
-   */
+  /** When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000. */
   unsigned long probe_ms;
   /** A session is given up when a move takes longer than this from its turn on; by default 120000. */
   unsigned long move_ms;
   /** A notice is complete when the line was quiet for this long, or another one has begun; by default 50. */
   unsigned long gap_ms;
-  /**
-   * How often something is sent without any answer, or a session is asked for that the motion side does not keep,
-   * before it is given up; by default 8. Below 0: without end.
-   */
+  /** How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit. */
   int attempts;
   /**
-   * Most moves that are sent and unfinished at a time, 1 to `GX_WINDOW_MAX`; by default that. More than the motion
-   * side queues are refused by it, and sent again.
+   * Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. Refused ones are sent again.
    */
   int window;
   /** Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too. */
@@ -163,9 +129,8 @@ struct gx_host_settings {
   /** Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th. */
   int absolute_every;
   /**
-   * Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
-   * at a time is sent, in positions; again when its number has not come back after `probe_ms`, which should be
-   * longer than a move lasts.
+   * Not 0: the motion side only sends numbers back, as the proposal has it. Then without a session one move at a
+   * time is sent, in positions; again after `probe_ms`, which should be longer than a move lasts.
    */
   int echo;
 };
@@ -176,20 +141,11 @@ struct gx_host_event {
   int kind;
   /** Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_DEVIATED`; 0 of others. */
   int outcome;
-  /**
-   * Of `GX_HOST_ERROR`, and of `GX_HOST_ENDED` where an error notice is the reason, its code, `GX_FAULT_*`; of
-   * `GX_HOST_STATUS` and `GX_HOST_UNANSWERED`, see there; else 0.
-   */
+  /** Of an error notice, and of `GX_HOST_ENDED` if one is the reason: `GX_FAULT_*`; see `GX_HOST_*`; else 0. */
   int code;
-  /**
-   * Of `GX_HOST_ERROR`, the number that the notice names, -1 when it names none; of `GX_HOST_STATUS`, see there; -1
-   * of others.
-   */
+  /** Of `GX_HOST_ERROR`, the number that the notice names; of `GX_HOST_STATUS`, see there; else -1. */
   int number;
-  /**
-   * Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`, the position; its mask flags the axes. Other events
-   * leave it alone.
-   */
+  /** Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`; other events leave it alone. */
   struct gx_vector position;
 };
 
@@ -218,11 +174,8 @@ struct gx_host_health {
 };
 
 /**
- * Begins a session. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
+ * Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too. Returns
+ * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * struct gx_host_settings settings = {0};
@@ -233,17 +186,12 @@ struct gx_host_health {
 int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED("gx_host_init");
 
 /**
- * Requests a move behind those requested before. The end comes as an event.
+ * Requests a move behind those requested before; its end comes as an event. target holds `GX_AXES` positions in steps,
+ * x first, of which those count that axes, a mask, flags; the other axes stay. velocity is in steps per second, 0 to
+ * 16383, and holds from this move on; -1: that of the move before. Without any axis, only the velocity is set.
  *
- * target holds `GX_AXES` positions in steps, x first; those that axes, a mask, flags (`1 << GX_AXIS`) are where these
- * axes are to be, the others stay. velocity is in steps per second, 0 to 16383, and holds from this move on; -1: that
- * of the move before holds. Without any axis, only the velocity is set.
- *
- * target is NULL or points to six values.
- *
- * Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when `GX_WINDOW_MAX` moves were requested whose ends were not fetched yet, or
- * `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value is out of range, axes flags anything else, or there is neither
- * axis nor velocity.
+ * Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when the ends of `GX_WINDOW_MAX` moves were not fetched yet, or
+ * `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value or mask is out of range, or there is neither axis nor velocity.
  *
  * ```c
  * const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
@@ -255,11 +203,8 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
 
 /**
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
- * are asked for again when they stay away.
- *
- * host was begun by `gx_host_init` or is all zero.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the period is out of range.
+ * are asked for again when they stay away. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the
+ * period is out of range.
  *
  * ```c
  * if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
@@ -269,10 +214,9 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
 int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
 
 /**
- * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before.
- * It is repeated until the answer comes, `GX_HOST_STATUS`, or `GX_HOST_STOPPED` after a stop; `GX_HOST_UNANSWERED`
- * says that none does. On a stop, moves end as failed or dropped, or as lost where it is not known which of them
- * ended.
+ * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before,
+ * until the answer comes: `GX_HOST_STATUS`, or of a stop `GX_HOST_STOPPED`; else `GX_HOST_UNANSWERED`. On a stop, moves
+ * end as failed or dropped, or as lost where it is not known which of them ended.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
  *
@@ -284,10 +228,9 @@ int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report
 int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control");
 
 /**
- * Takes received bytes; `now_ms` is when they came.
- *
- * Returns how many bytes were taken: all, or fewer when events have to be fetched first by `gx_host_poll`; give it the
- * rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Takes received bytes; `now_ms` is when they came. Returns how many bytes were taken: all, or fewer when events have
+ * to be fetched first by `gx_host_poll`; give it the rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL,
+ * bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -298,11 +241,9 @@ int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control
 int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED("gx_host_receive");
 
 /**
- * Fetches the next event. To be called after receiving, and at the latest when `gx_host_next_deadline` says, until
- * there is none; what is to be sent after that returns `gx_host_output`.
- *
- * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
- * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
+ * then `gx_host_output`. Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then),
+ * or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct gx_host_event event;
@@ -321,18 +262,16 @@ int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_even
  * -`GX_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * int length = gx_host_output(&host, out, sizeof out, now_ms());
- * if (length > 0)
+ * if ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_host_output");
 
 /**
- * How long `gx_host_poll` has nothing to do if nothing is received or requested. Ask when there are no events left and
- * the output was fetched: what it returns is then what poll(2) takes as time-out.
- *
- * Returns milliseconds, or -1 when it need not be called at all or host is NULL.
+ * How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called
+ * when all events and output were fetched. Returns milliseconds, or -1 when it need not be called at all or host is
+ * NULL.
  *
  * ```c
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
@@ -351,9 +290,7 @@ long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_
 int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished");
 
 /**
- * Copies out how the link does.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies out how the link does. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct gx_host_health health;

@@ -25,13 +25,10 @@
  * ```
  *
  * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
- * proposal has it. Moves by deltas are taken as soon as it is known where the axes are: from gx_motion_set_position,
- * or a move to a position.
- *
- * What the line loses, delays or splits is made up for with a host that begins a session (gx_host.h): see
- * gx_motion_receive. Set only_in_order where only such hosts drive the machine: it protects from what a host sends
- * that has not noticed that the machine was switched off and on. Commands have no checksum: a flipped bit can make
- * another move of one, which is carried out; the host finds that afterwards.
+ * proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
+ * begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
+ * only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
+ * of one, which is carried out; the host finds that afterwards.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_motion.rs by `make header`.
@@ -77,22 +74,16 @@ extern "C" {
 #define GX_MOTION_REFUSED 3
 /** Event: a host has begun a session; its request for position reports holds too. */
 #define GX_MOTION_BEGUN 4
-
-/**
- * Event: a host, without beginning a session, has asked for position reports: period. (Its number, if it has one, is
- * sent back, and not reported here.)
- */
+/** Event: a host has asked for position reports, without beginning a session: period. There is nothing to do. */
 #define GX_MOTION_REPORTING 5
-
 /** Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves. */
 #define GX_MOTION_HOLD 6
 /** Event: a host wants the machine to go on. */
 #define GX_MOTION_RESUME 7
 
 /**
- * Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`), or as it is silent
- * (`GX_FAULT_SILENT`). `gx_motion_next` hands out no moves; `gx_motion_stop` is to be called when the machine stands,
- * also if it does already.
+ * Event: the machine is to stop for good, as a host wants it (code is `GX_FAULT_STOPPED`) or is silent
+ * (`GX_FAULT_SILENT`). No moves are handed out until `gx_motion_stop` is called, as soon as the machine stands.
  */
 #define GX_MOTION_STOP 8
 
@@ -103,26 +94,19 @@ struct gx_motion {
 
 /** Settings of a motion side. 0 stands for the default everywhere. */
 struct gx_motion_settings {
-  /**
-   * An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-   * default 1000, as somebody may be typing.
-   */
+  /** Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000. */
   unsigned long gap_ms;
   /**
    * The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
-   * to carry out. `gx_host.h` sends something every `probe_ms`, by default 1000, then. 0: it is not to stop.
+   * to carry out; `gx_host.h` then sends something every `probe_ms`, by default 1000. 0: it is not to stop.
    */
   unsigned long host_ms;
-  /**
-   * Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
-   * leave them out. By default all six.
-   */
+  /** The axes there are, bit 0 being x: commands for others are refused, and none reported. By default all six. */
   int axes;
   /**
-   * Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
-   * refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
-   * off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
-   * session. By default moves are taken with any number, or none, until a host begins a session.
+   * Not 0: moves are taken in sessions only, for a machine that only hosts with sessions drive: when it was switched
+   * off and on, or reset, it takes nothing from a host that did not notice, for the rest of the session. By default
+   * moves are taken with any number, or none, until a host begins a session.
    */
   int only_in_order;
 };
@@ -131,16 +115,11 @@ struct gx_motion_settings {
 struct gx_motion_event {
   /** What: one of `GX_MOTION_QUEUED` to `GX_MOTION_STOP`. */
   int kind;
-  /**
-   * The number of the command, 0 to 16383; -1 when it has none, and of `GX_MOTION_REPORTING` to
-   * `GX_MOTION_STOP`.
-   */
+  /** The number of the command, 0 to 16383; -1 when it has none, and from `GX_MOTION_REPORTING` on. */
   int number;
   /** Of `GX_MOTION_REFUSED` and `GX_MOTION_STOP`, why: `GX_FAULT_*`; 0 of others. */
   int code;
-  /**
-   * Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds; 0: they were switched off. 0 of others.
-   */
+  /** Of `GX_MOTION_REPORTING`, the time between two reports in milliseconds, 0 if they are off; 0 of others. */
   int period;
 };
 
@@ -159,10 +138,7 @@ struct gx_motion_health {
 };
 
 /**
- * Begins a motion side. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
- *
+ * Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
  * ```c
@@ -174,15 +150,13 @@ struct gx_motion_health {
 int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED("gx_motion_init");
 
 /**
- * Takes received bytes; `now_ms` is when they came.
- *
- * Moves are queued as they come, whatever number they have or none, unless a host begins a session: by two numbered
- * requests for position reports without another command between them, the second number 5461 behind the first (modulo
- * 16384). The second is answered by both numbers. From there on each move has to carry the next number: what was taken
- * before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
- * (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). Another
- * numbered request for position reports begins a new session. Behind `gx_motion_stop`, moves are refused until one
- * begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+ * Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
+ * begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
+ * (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
+ * taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
+ * (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
+ * numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
+ * (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
  *
  * Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
  * then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -197,9 +171,7 @@ int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsi
     GX_SIZED("gx_motion_receive");
 
 /**
- * Fetches the next event. To be called after receiving, and at the latest when `gx_motion_next_deadline` says, until
- * there is none.
- *
+ * Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
  * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
@@ -213,12 +185,10 @@ int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_mot
     GX_SIZED("gx_motion_poll");
 
 /**
- * Fetches the next move to carry out. Firmware that plans ahead may fetch more before the first is done. What only
- * sets the velocity is no move: it takes effect, and ends, in its turn.
- *
- * move receives the target: its mask flags the axes to be moved (and the velocity, if one was ever set; it holds for
- * all moves to come); the other axes hold where they are to stay, as far as that is known. number, unless it is NULL,
- * receives the move's number, or -1 when it has none or its session is over.
+ * Fetches the next move to carry out; what only sets the velocity is none, and ends in its turn. Firmware that plans
+ * ahead may fetch more before the first is done. move receives the target: its mask flags the axes to be moved, and the
+ * velocity if one was ever set; the other axes hold where they are to stay, as far as that is known. number, unless it
+ * is NULL, receives the move's number, or -1 when it has none or its session is over.
  *
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when there is none, or `GX_RC_ERROR_GENERIC` when motion or move is NULL.
  *
@@ -232,9 +202,7 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
 
 /**
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
- *
- * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none is being carried out, or `GX_RC_ERROR_GENERIC` when motion is
- * NULL.
+ * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
  * ```c
  * if (motors_have_arrived())
@@ -244,14 +212,10 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
 int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 
 /**
- * Says that the machine has stopped, and will not carry out what was fetched or queued: all of that is dropped, and
- * the host hears of it, by the number of the oldest move that has one. A host with a session has to begin a new
- * one. Where the machine is has to be set by `gx_motion_set_position` before moves by deltas are taken; if the host
- * wanted the stop, before this call: the position is reported then, and the velocity that is in force.
- *
- * code goes into the error notice: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the firmware's own.
- *
- * motion was begun by `gx_motion_init` or is all zero.
+ * Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
+ * the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
+ * firmware's own. A session is over. `gx_motion_set_position` has to be called before moves by deltas are taken; if the
+ * host wanted the stop, before this call: the position is reported then, and the velocity in force.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
@@ -263,13 +227,9 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop");
 
 /**
- * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
- * deltas are added to. position holds `GX_AXES` values in steps, x first.
- *
- * position is NULL or points to six values.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits):
- * nothing changes then.
+ * Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
+ * holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
+ * or a value is not a position (28 bits): nothing changes then.
  *
  * ```c
  * int32_t steps[GX_AXES];
@@ -287,18 +247,16 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
  * -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * int length = gx_motion_output(&motion, out, sizeof out, now_ms());
- * if (length > 0)
+ * if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_motion_output");
 
 /**
- * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. Ask when there
- * are no events left and the output was fetched.
- *
- * Returns milliseconds, or -1 when they need not be called at all or motion is NULL.
+ * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called
+ * when all events and output were fetched. Returns milliseconds, or -1 when they need not be called at all or motion
+ * is NULL.
  *
  * ```c
  * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
@@ -317,9 +275,7 @@ long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_m
 int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unfinished");
 
 /**
- * Copies out what was seen.
- *
- * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies out what was seen. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct gx_motion_health health;

@@ -75,7 +75,7 @@ pub(super) fn send(
     link: &mut Link,
     report: &mut Report,
 ) -> Result<Status, Failure> {
-    let mut settings = Settings::new();
+    let mut settings = Settings::default();
     settings.answer_ms = arguments.answer_ms(&link.device);
     settings.probe_ms = settings.answer_ms.saturating_mul(4);
     settings.gap_ms = u32::try_from(link.device.gap().as_millis()).unwrap_or(u32::MAX);

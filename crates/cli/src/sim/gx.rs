@@ -54,7 +54,7 @@ impl Axes {
         let settings = Settings {
             axes: (1 << options.axes.unwrap_or(6)) - 1,
             only_in_order: options.only_in_order.into(),
-            ..Settings::new()
+            ..Settings::default()
         };
         let mut axes = Self { motion: Motion::new(), machine: Moving::new(options), is_held: false };
         axes.motion.set(settings);

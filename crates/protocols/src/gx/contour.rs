@@ -2,15 +2,14 @@
 
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use super::encoder::{EncodeError, write_shortest};
+use super::encoder::{EncodeError, Written, write_shortest};
 use super::message::Number;
 use super::vector::{AXES, MASK_AXES, Vector};
 
 /// Writes a path: each position of a list is one command, the shortest that leads there from the one before.
 ///
-/// A command names only the axes that change, in the short form if each changes by at most 63 steps, and the velocity
-/// only if that changes. A position that is repeated is a short command of one axis that does not move: who decodes the
-/// commands, each with [`Vector::follow`], gets the same list.
+/// A command names only the axes that change, and the velocity only if that changes. A position that is repeated is a
+/// short command of one axis that does not move: [`Vector::follow`] along the commands gives the same list.
 ///
 /// All zero: the path is of no axis.
 #[derive(Clone, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
@@ -58,7 +57,7 @@ impl Contour {
         position: &[i32; AXES],
         velocity: Option<u16>,
         room: &mut [u8],
-    ) -> Result<usize, EncodeError> {
+    ) -> Written {
         let axes = self.target.mask & MASK_AXES;
         let before = self.target.velocity();
         let wanted = velocity.or(before);

@@ -23,13 +23,11 @@ pub enum EncodeError {
     Empty,
 }
 
+/// The length of what was written, in bytes.
+pub type Written = Result<usize, EncodeError>;
+
 /// A vector of positions: the long form, or ASCII.
-pub fn write_move(
-    format: Format,
-    number: Option<Number>,
-    target: &Vector,
-    room: &mut [u8],
-) -> Result<usize, EncodeError> {
+pub fn write_move(format: Format, number: Option<Number>, target: &Vector, room: &mut [u8]) -> Written {
     check(target, false)?;
     let mut out = Out::numbered(number, room)?;
     out.positions(format, target);
@@ -37,7 +35,7 @@ pub fn write_move(
 }
 
 /// The short form, which says how far to go on: -63 to 63 steps an axis.
-pub fn write_step(number: Option<Number>, deltas: &Vector, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_step(number: Option<Number>, deltas: &Vector, room: &mut [u8]) -> Written {
     check(deltas, true)?;
     let mut out = Out::numbered(number, room)?;
     out.head(b'*', deltas.mask, deltas.velocity);
@@ -48,15 +46,8 @@ pub fn write_step(number: Option<Number>, deltas: &Vector, room: &mut [u8]) -> R
 }
 
 /// The shortest command that leads from a position, whose mask flags the known axes, to a target: the short form if it
-/// can, and no axis that stays where it is.
-///
-/// If no axis moves the first one named is written all the same, so that there is one command for each call.
-pub fn write_shortest(
-    number: Option<Number>,
-    target: &Vector,
-    from: &Vector,
-    room: &mut [u8],
-) -> Result<usize, EncodeError> {
+/// can, and no axis that stays where it is, but for the first one named if none moves.
+pub fn write_shortest(number: Option<Number>, target: &Vector, from: &Vector, room: &mut [u8]) -> Written {
     check(target, false)?;
     let mut out = Out::numbered(number, room)?;
     // The base may be anything.
@@ -83,12 +74,7 @@ pub fn write_shortest(
 }
 
 /// A command to report the position each so many milliseconds, 0 to 16383; 0: never.
-pub fn write_reporting(
-    format: Format,
-    number: Option<Number>,
-    period: u16,
-    room: &mut [u8],
-) -> Result<usize, EncodeError> {
+pub fn write_reporting(format: Format, number: Option<Number>, period: u16, room: &mut [u8]) -> Written {
     in_range(period <= PERIOD_MAX)?;
     let mut out = Out::numbered(number, room)?;
     out.word(if format == Format::Binary { b'~' } else { b'R' }, period, format);
@@ -96,18 +82,16 @@ pub fn write_reporting(
 }
 
 /// The notice that the command with this number was carried out.
-pub fn write_completed(number: Number, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_completed(number: Number, room: &mut [u8]) -> Written {
     let mut out = Out::numbered(Some(number), room)?;
     out.end(number.format);
     out.length()
 }
 
 /// The notice that a command, with this number if it had one, was not carried out; the format is the command's, the code
-/// 0 to 127.
-///
-/// Without a number it begins with a line end: behind a packed number of the notice before, it would be about
+/// 0 to 127. Without a number it begins with a line end: behind a packed number of the notice before, it would be about
 /// that command.
-pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mut [u8]) -> Written {
     in_range(code <= CODE_MAX)?;
     in_number_range(number)?;
     let mut out = Out::new(room);
@@ -116,7 +100,7 @@ pub fn write_refused(format: Format, number: Option<Number>, code: u8, room: &mu
 }
 
 /// A position report; with a velocity, the machine was stopped there, and that one is in force.
-pub fn write_position(format: Format, position: &Vector, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_position(format: Format, position: &Vector, room: &mut [u8]) -> Written {
     check(position, false)?;
     let mut out = Out::new(room);
     out.byte(b'=');
@@ -125,12 +109,7 @@ pub fn write_position(format: Format, position: &Vector, room: &mut [u8]) -> Res
 }
 
 /// What a host asks for past the queue.
-pub fn write_control(
-    format: Format,
-    number: Option<Number>,
-    control: Control,
-    room: &mut [u8],
-) -> Result<usize, EncodeError> {
+pub fn write_control(format: Format, number: Option<Number>, control: Control, room: &mut [u8]) -> Written {
     let mut out = Out::numbered(number, room)?;
     out.word(b'%', control.bits(), format);
     out.length()
@@ -138,7 +117,7 @@ pub fn write_control(
 
 /// The notice that the move whose number ends in these seven bits was carried out in a session, with its
 /// [check](Vector::check).
-pub fn write_confirmed(format: Format, number: u16, check: u8, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_confirmed(format: Format, number: u16, check: u8, room: &mut [u8]) -> Written {
     in_range(check <= CODE_MAX)?;
     let mut out = Out::new(room);
     out.word(b'&', confirmation(number, check), format);
@@ -146,7 +125,7 @@ pub fn write_confirmed(format: Format, number: u16, check: u8, room: &mut [u8]) 
 }
 
 /// The notice that says how the motion side is.
-pub fn write_status(format: Format, status: Status, room: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn write_status(format: Format, status: Status, room: &mut [u8]) -> Written {
     let mut out = Out::new(room);
     out.word(b'%', status.bits(), format);
     out.length()
@@ -275,8 +254,7 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// The error notice to a command with this number, if it had one. If not, it begins with a line end: behind a
-    /// packed number of the notice before, it would be about that command.
+    /// See [`write_refused`].
     pub(super) fn refusal(&mut self, number: Numbered, code: u8, format: Format) {
         if !number.is_some() {
             self.byte(b'\n');
@@ -317,8 +295,17 @@ impl<'a> Out<'a> {
         }
     }
 
+    /// The length of what was written, which is taken for sent; 0 if it does not fit.
+    pub(super) fn finish(self, sent: impl FnOnce()) -> usize {
+        let length = self.length().unwrap_or(0);
+        if length != 0 {
+            sent();
+        }
+        length
+    }
+
     /// The length of what was written, if it fits.
-    pub(super) const fn length(&self) -> Result<usize, EncodeError> {
+    const fn length(&self) -> Written {
         if self.length <= self.room.len() { Ok(self.length) } else { Err(EncodeError::Room) }
     }
 }

@@ -5,62 +5,55 @@
 //!
 //! # A session
 //!
-//! begins before the first move: a request for position reports is sent with a number, until that comes back, and once
-//! more with a number far from the first. A notice left over from an earlier session can be taken for the one answer or
-//! the other, not for both, so when the second has come, no older notice can come any more. A motion side that has had
-//! both keeps numbers in order from there on, and says so: before the second number it sends the first one back again.
-//! If that does not come, the request before may have got lost, and the handshake begins again with other numbers. Else the motion
-//! side expects the next number, and from here on the moves are numbered. (Where the first request was sent more than
-//! once, a late answer to it could pass for that. Then the second is sent again behind its answer, and what comes
-//! behind that counts.)
+//! begins before the first move: a request for position reports is sent with a number, and when that has come back,
+//! again with a number far from the first. A notice left over from an earlier session can be taken for one answer, not
+//! for both. A motion side that has had both keeps numbers in order from there on, and says so: before the second number
+//! it sends the first one again. If that does not come, the handshake begins again with other numbers, as the request
+//! before may have got lost. (Where the first request was sent more than once, a late answer to it could pass for that.
+//! Then the second is sent again behind its answer, and what comes behind that counts.)
 //!
 //! # A move
 //!
-//! is sent in the shortest form that leads to it from the one before, as soon as fewer than the settings' `window`
-//! are unfinished. The motion side takes moves in the order of their numbers only, and ends them in that order. So
+//! is sent in the shortest form that leads to it from the one before, with the next number, as soon as fewer than the
+//! settings' `window` are unfinished. The motion side takes moves in the order of their numbers only, and ends them in
+//! that order. So
 //!
 //! - a completion says that all moves up to this one are finished; a lost one is made up for by the next;
 //! - an error notice that is no final refusal has all unfinished moves sent again, in order, in absolute positions,
 //!   since it is not known which one was lost: none is carried out twice, as the motion side knows those it has taken;
-//! - the same when notices and commands were lost: when nothing ends for [`Settings::probe_ms`], the newest move is
-//!   sent again. If one before it was lost, it is refused; if it was finished, that is sent again; else the position is
-//!   reported.
+//! - when nothing ends for [`Settings::probe_ms`], the newest move is sent again. If one before it was lost, it is
+//!   refused; if it was finished, that is sent again; else the position is reported.
 //!
-//! Ends are reported in the order of the requests, exactly once each. A move that is refused for good takes those behind it
-//! along, which never were accepted; the next request begins a new session.
+//! Ends are reported in the order of the requests, exactly once each. A move that is refused for good takes those
+//! behind it along, which never were accepted; the next request begins a new session.
 //!
 //! # What can be relied on
 //!
-//! All this takes a motion side that keeps the numbers in order, as [`Motion`](super::motion::Motion) does. With one
-//! that only sends them back no session begins, and the moves time out, unsent.
-//!
-//! Whatever the line loses, delays or splits, and when the machine stops or this session is begun again on the same
-//! line: a move that is reported as finished was carried out once, after those before it, and one that was refused or
-//! dropped was not. There are two exceptions:
+//! With a motion side that keeps numbers in order, as [`Motion`](super::motion::Motion) does, whatever the line loses,
+//! delays or splits, and when the machine stops or this session is begun again on the same line: a move that is
+//! reported as finished was carried out once, after those before it, and one that was refused or dropped was not. (With
+//! one that only sends numbers back no session begins, and the moves time out, unsent.) There are two exceptions:
 //!
 //! - A motion side that is switched off and on, or reset, in a session, has to refuse what comes then, which takes
-//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it takes
-//!   moves from anybody: it carries out again what is sent again, and deltas from where it believes to be.
-//! - Notices and commands that are forged. There are no checksums: where bits flip, or a mask, an ASCII digit or
-//!   several bytes in a row are lost, another number or position may come of it, which nothing distinguishes from a true one.
+//!   [`only_in_order`](super::motion::Settings::only_in_order); the moves are reported as lost. By default it carries
+//!   out again what is sent again, and deltas from where it believes to be.
+//! - There are no checksums: where bits flip, or a mask, an ASCII digit or several bytes in a row are lost, another
+//!   number or position may come of it, which nothing distinguishes from a true one.
 
 mod commands;
-mod event;
 mod handshake;
 mod notices;
 mod settings;
 mod timers;
 mod window;
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, FromZeros, Immutable, KnownLayout, TryFromBytes};
 
 use super::encoder::check;
 use super::message::{Control, Kind, Numbered, Status};
 use super::receiver::NoticeReceiver;
 use super::vector::Vector;
 use crate::session::{Flags, Transmission, count, flags};
-use event::Pending;
-pub use event::{Event, Outcome};
 pub use settings::{Health, Settings};
 use window::Window;
 
@@ -121,11 +114,57 @@ pub enum QueueError {
     Range,
 }
 
+/// How a move ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
+#[repr(u8)]
+pub enum Outcome {
+    /// It was carried out.
+    Finished = 1,
+    /// The motion side did not accept it. It was not carried out.
+    Refused = 2,
+    /// The motion side accepted it, and has stopped before it was carried out to its end.
+    Failed = 3,
+    /// It was not begun, since one before it was refused or has failed, or the session ended before it was sent.
+    Dropped = 4,
+    /// Nothing is known: no answer for too long, or it lasted too long.
+    TimedOut = 5,
+    /// Nothing is known: the motion side was restarted, or does not take this for a session any more.
+    Lost = 6,
+    /// A damaged command was carried out, says the check. The next is sent in positions of all axes, which corrects it.
+    Deviated = 7,
+}
+
+/// Something that happened in a host session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// The position was reported.
+    Report(&'a Vector),
+    /// An error notice came, with this code, about the command with this number if it had one. The session handles it.
+    Error(u8, Option<u16>),
+    /// A session has begun.
+    Begun,
+    /// The oldest of the moves whose ends were not fetched has ended. The code is that of the error notice, or 0.
+    Ended(Outcome, u8),
+    /// A report that does not fit what was requested: the next move corrects that.
+    Drift(&'a Vector),
+    /// The status came: by request, or since the machine holds or goes on.
+    Status(Status),
+    /// The machine was stopped there, and forgot all moves; the velocity is the one in force.
+    Stopped(&'a Vector),
+    /// What was asked for past the queue got no answer, or was refused.
+    Unanswered(Control),
+}
+
 /// No session. (Anything that is none of the others is that too.)
 const IDLE: u8 = 0;
 const OPEN: u8 = 1;
 /// Something was refused: what was accepted before is waited for.
 const DRAINING: u8 = 2;
+
+flags! {
+    /// The events that wait to be fetched before the ends of moves, in this order.
+    enum Pending { Begun, Report, Drift, Stopped, Error, Status, Unanswered }
+}
 
 flags! {
     /// What is to be sent besides moves.
@@ -165,36 +204,9 @@ flags! {
 impl<const WINDOW: usize> Host<WINDOW> {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: Settings) -> Self {
+    pub fn new(settings: Settings) -> Self {
         const { assert!(1 <= WINDOW && WINDOW <= 255, "the window must hold 1 to 255 moves") };
-        Self {
-            settings,
-            health: Health::new(),
-            window: Window::new(),
-            position: Vector::new(),
-            receiver: NoticeReceiver::new(),
-            arrived_at: 0,
-            asked_at: 0,
-            progressed_at: 0,
-            went_back_at: 0,
-            held_at: 0,
-            reports_at: 0,
-            handshake: 0,
-            period: 0,
-            error_number: Numbered::NONE,
-            error_code: 0,
-            stage: IDLE,
-            pending: Flags::new(),
-            send: Flags::new(),
-            is: Flags::new(),
-            cursor: 0,
-            unanswered: 0,
-            failed_handshakes: 0,
-            since_absolute: 0,
-            control: 0,
-            control_sent: Transmission::new(),
-            status: 0,
-        }
+        Self { settings, ..Self::new_zeroed() }
     }
 
     /// Replaces the settings. For a session that has just begun.
@@ -210,24 +222,20 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// See [`QueueError`].
     pub fn move_to(&mut self, target: &Vector) -> Result<(), QueueError> {
         check(target, false).map_err(|_| QueueError::Range)?;
-        if !self.window.has_room() {
-            return Err(QueueError::Busy);
-        }
-        self.window.push(target);
-        Ok(())
+        if self.window.push(target) { Ok(()) } else { Err(QueueError::Busy) }
     }
 
-    /// Requests that the position be reported each so many milliseconds; 0: not any more. Holds until something else is
-    /// requested: if no reports come, it is asked for again.
+    /// Requests that the position be reported each so many milliseconds; 0: not any more. If no reports come, they are
+    /// asked for again.
     pub fn report(&mut self, period: u16) {
         self.period = period;
         self.is.set(Is::Reporting);
         self.send.set(Send::Reporting);
     }
 
-    /// Asks for something past the queue: to hold, to go on, to stop, or how full the queue is. Repeated until it is
-    /// answered, by [`Event::Status`] or, after a stop, [`Event::Stopped`]; what was asked for before and not answered
-    /// is not any more. A stop drops what was not sent; the other moves end when the motion side says how.
+    /// Asks for something past the queue, in place of what was asked for before, until it is answered: by
+    /// [`Event::Status`] or, after a stop, [`Event::Stopped`]. A stop drops what was not sent; the other moves end when
+    /// the motion side says how.
     pub fn control(&mut self, control: Control) {
         self.control = control.bits();
         self.control_sent.restart();
@@ -245,7 +253,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// How many moves were requested whose ends were not fetched.
     #[must_use]
     pub const fn unfinished(&self) -> u8 {
-        self.window.len()
+        self.window.count
     }
 
     /// How the link does.
@@ -288,25 +296,23 @@ impl<const WINDOW: usize> Host<WINDOW> {
         if self.pending.is_empty() && !self.is.has(Is::Partial) {
             self.on_timer(now);
         }
-        match self.pending.take_first() {
-            Some(Pending::Begun) => Some(Event::Begun),
-            Some(Pending::Report) => Some(Event::Report(&self.position)),
-            Some(Pending::Drift) => Some(Event::Drift(&self.position)),
-            Some(Pending::Stopped) => Some(Event::Stopped(&self.position)),
-            Some(Pending::Status) => Some(Event::Status(Status::of(self.status))),
-            Some(Pending::Unanswered) => Some(Event::Unanswered(Control::of(self.control).unwrap_or(Control::Query))),
-            Some(Pending::Error) => {
-                Some(Event::Error(self.error_code, self.error_number.get().map(|number| number.value)))
-            }
-            None => {
-                let Some((outcome, code)) = self.window.take_ended() else {
-                    self.is.clear(Is::Partial);
-                    return None;
-                };
-                self.cursor = self.cursor.saturating_sub(1);
-                Some(Event::Ended(outcome, code))
-            }
-        }
+        let Some(pending) = self.pending.take_first() else {
+            let Some((outcome, code)) = self.window.take_ended() else {
+                self.is.clear(Is::Partial);
+                return None;
+            };
+            self.cursor = self.cursor.saturating_sub(1);
+            return Some(Event::Ended(outcome, code));
+        };
+        Some(match pending {
+            Pending::Begun => Event::Begun,
+            Pending::Report => Event::Report(&self.position),
+            Pending::Drift => Event::Drift(&self.position),
+            Pending::Stopped => Event::Stopped(&self.position),
+            Pending::Error => Event::Error(self.error_code, self.error_number.get().map(|number| number.value)),
+            Pending::Status => Event::Status(Status::of(self.status)),
+            Pending::Unanswered => Event::Unanswered(Control::of(self.control).unwrap_or(Control::Query)),
+        })
     }
 }
 
@@ -324,7 +330,7 @@ mod tests {
     /// The host was busy elsewhere until the move's time was over, and its end lies behind a report.
     #[test]
     fn time_is_not_over_while_bytes_are_left() {
-        let mut host = Host::<4>::new(Settings { move_ms: 500, ..Settings::new() });
+        let mut host = Host::<4>::new(Settings { move_ms: 500, ..Settings::default() });
         for _ in 0..2 {
             assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         }

@@ -56,7 +56,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
             Kind::Control => Message::Control(self.bits()),
             Kind::Status => Message::Status(Status::of(self.bits())),
         };
-        let format = if kind == Kind::Completed { self.numbered().format() } else { self.format() };
+        let format = if kind == Kind::Completed { self.number.format() } else { self.format() };
         Item { number, format, message }
     }
 }

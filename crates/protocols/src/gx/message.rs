@@ -72,8 +72,7 @@ impl From<Option<Number>> for Numbered {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
-    /// Command: go to the positions of the vector, by the long form or in ASCII. If it names no axis, it is the
-    /// velocity of the moves to come.
+    /// Command: go to the vector's positions (long form or ASCII); without axes, its velocity is that of moves to come.
     Move = 1,
     /// Command: go on by the deltas of the vector, -64 to 63 steps each, by the short form.
     Step = 2,
@@ -83,13 +82,11 @@ pub enum Kind {
     Malformed = 4,
     /// Notice: the command with this number was carried out.
     Completed = 5,
-    /// Notice: the command, with this number if it has one, was not. The code is a [`Fault`]'s or one of the
-    /// controller's own, 0 to 127.
+    /// Notice: the command, with this number if any, was not; the code, 0 to 127, is a [`Fault`]'s or the controller's.
     Refused = 6,
     /// Notice: the position is the vector's; with a velocity, the machine was stopped there, and that one is in force.
     Position = 7,
-    /// Notice: in a session, the move whose number ends in these bits was carried out; see
-    /// [`check`](super::Vector::check).
+    /// Notice: in a session, the move whose number ends so was carried out; see [`check`](super::Vector::check).
     Confirmed = 8,
     /// Command: one of [`Control`], or others that are not known.
     Control = 9,
@@ -156,8 +153,7 @@ impl Status {
 pub enum Fault {
     /// No command begins like that.
     Unknown = 1,
-    /// The number in front of the command is none, or too large. An ASCII command behind it is skipped; one that begins
-    /// with `!`, `*` or `~` clears it and is delivered, without a number.
+    /// No number from 0 to 16383. Text behind it is skipped; `!`, `*` or `~` begins a command without a number.
     Number = 2,
     /// Another command began before this one was complete, or the line fell silent.
     Interrupted = 3,

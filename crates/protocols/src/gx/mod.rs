@@ -28,7 +28,7 @@ mod vector;
 
 pub use contour::Contour;
 pub use encoder::{
-    ENCODED_MAX, EncodeError, write_completed, write_confirmed, write_control, write_move, write_position,
+    ENCODED_MAX, EncodeError, Written, write_completed, write_confirmed, write_control, write_move, write_position,
     write_refused, write_reporting, write_shortest, write_status, write_step,
 };
 pub use item::{Item, Message};

@@ -4,46 +4,34 @@
 //! to send. The firmware takes the [`next`](Motion::next) move, as many ahead as it plans with, and says when the
 //! oldest it took is [`done`](Motion::done).
 //!
-//! # Numbers
+//! # Numbers and sessions
 //!
-//! are the host's, as the proposal has it: any command may have one or none, the same one may come again, and when a
-//! command that has one is completed, it is sent back in its own format. So it is from power-up on.
-//!
-//! # Sessions
-//!
-//! That alone helps little on a line that loses bytes: deltas behind a lost command lead elsewhere, and a host that
-//! repeats a command has it carried out twice. So a host can begin a session, in which numbers are in order; that takes
-//! nothing but what the proposal has:
+//! From power-up on numbers are the host's: any command may have one or none, the same one may come again, and when a
+//! command that has one is completed, it is sent back in its own format. But deltas behind a lost command lead
+//! elsewhere, and a command that is sent again is carried out twice. So a host can begin a session, in which numbers are
+//! in order; that takes nothing but what the proposal has:
 //!
 //! - It begins with two *numbered* requests for position reports (period 0: none) without another command between them,
-//!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number, as any
-//!   numbered command is; the second by that of the first and its own, so that the host knows that both came. Ends
-//!   of moves that were queued before are not reported any more.
-//! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`Fault::Order`]; so is one
-//!   without a number, as [`Fault::Numberless`]: it may have lost it. Nothing lost goes unnoticed then, and no delta is added
-//!   to the wrong position.
-//! - A number that was taken before means a repeat: it is not carried out again. If that move has ended, its end is
-//!   sent again; else the position is reported, as a sign of life.
+//!   the second number 5461 behind the first: nobody sends that by chance. The first is answered by its number; the
+//!   second by that of the first and its own, so that the host knows that both came. Ends of moves that were queued
+//!   before are not reported any more. Another numbered request begins a new session, by itself.
+//! - From there on each move carries the next number, 0 following 16383. Any other is refused, as [`Fault::Order`]; so
+//!   is one without, as [`Fault::Numberless`]: it may have lost it.
+//! - A number that was taken before is not carried out again. If that move has ended, its end is sent again; else the
+//!   position is reported, as a sign of life.
 //! - When a move is refused, those behind it are too, and only the first of them gets an error notice, until what was
 //!   refused comes again.
-//! - A numbered request for position reports begins a new session, by itself.
 //! - When the machine [stops](Motion::stop), the session is over, but the host may have sent more moves before it hears
 //!   of that: they are refused, as [`Fault::Closed`], until it begins a new one.
+//! - ESC ESC, which no host sends that begins sessions, ends one for good: moves are taken with any number or none
+//!   again, from a person at a terminal, say.
 //!
-//! ESC ESC, which no host sends that begins sessions, ends one for good: moves are taken with any number or none again,
-//! from a person at a terminal, say.
-//!
-//! A motion side that was switched off and on, or reset, does not know of the session it was in, and takes what comes
-//! as from any host. Where that may happen unseen by a host that relies on its session,
-//! [`Settings::only_in_order`] has it refuse all moves, as [`Fault::Closed`], until a session begins; for which one
-//! request is enough then.
-//!
-//! # What can't be relied on
+//! A motion side that was switched off and on, or reset, does not know of the session it was in. Where a host may not
+//! notice that, [`Settings::only_in_order`] has it refuse all moves, as [`Fault::Closed`], until a session begins; for
+//! which one request is enough then.
 //!
 //! Commands have no checksum. A flipped bit in a number, mask, velocity or position makes another command, which is
-//! carried out if its number is the next. A lost byte is noticed in binary, unless it is the mask: then the next byte
-//! is taken for that. Of several lost in a row, the rests of two commands may make one. In ASCII a lost digit is never
-//! noticed.
+//! carried out if its number is the next; so may a lost mask, several bytes lost in a row, or a lost digit in ASCII.
 
 mod commands;
 mod event;
@@ -53,7 +41,7 @@ mod queue;
 mod reports;
 mod settings;
 
-use zerocopy::{FromBytes, Immutable};
+use zerocopy::{FromBytes, Immutable, transmute};
 
 use super::encoder::{Out, confirmation};
 use super::message::{Fault, Numbered, Status};
@@ -95,15 +83,6 @@ pub struct Motion<const QUEUE: usize> {
     queue: Queue<QUEUE>,
 }
 
-/// What [`Motion::output`] has written.
-enum Written {
-    /// That a move has ended which has this check.
-    End(u8),
-    Notice,
-    Status,
-    Report,
-}
-
 /// Until a host lets it go on.
 const HELD: u8 = 1;
 /// Until the machine stands.
@@ -115,14 +94,14 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     pub const fn new() -> Self {
         const { assert!(1 <= QUEUE && QUEUE <= 255, "the queue must hold 1 to 255 moves") };
         Self {
-            settings: Settings::new(),
-            health: Health::new(),
+            settings: transmute!([0_u8; size_of::<Settings>()]),
+            health: transmute!([0_u8; size_of::<Health>()]),
             queue: Queue::new(),
             position: Vector::new(),
-            reports: Reports::new(),
-            notices: Notices::new(),
-            order: Order::new(),
-            pending: Pending::new(),
+            reports: transmute!([0_u8; size_of::<Reports>()]),
+            notices: transmute!([0_u8; size_of::<Notices>()]),
+            order: transmute!([0_u8; size_of::<Order>()]),
+            pending: transmute!([0_u8; size_of::<Pending>()]),
             receiver: CommandReceiver::new(),
             arrived_at: 0,
             busy: 0,
@@ -181,18 +160,18 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if now != self.arrived_at {
             self.on_timer(now);
         }
-        if self.pending.is_none() { None } else { self.pending.take(self.reports.period()) }
+        if self.pending.is_none() { None } else { self.pending.take(self.reports.period) }
     }
 
     #[inline(never)]
     fn on_timer(&mut self, now: u32) {
-        if self.busy != 0 && self.has_room() && self.quiet_left(now, self.gap()) == 0 {
+        if self.busy != 0 && self.has_room() && left(now, self.arrived_at, self.gap()) == 0 {
             self.busy = 0;
             if let Some(kind) = self.receiver.idle() {
                 self.handle(kind);
             }
         }
-        if self.pending.is_none() && self.is_watching() && self.quiet_left(now, self.settings.host_ms) == 0 {
+        if self.pending.is_none() && self.is_watching() && left(now, self.arrived_at, self.settings.host_ms) == 0 {
             self.halt = STOPPING;
             self.pending.set(Some(EventKind::Stop), Numbered::NONE, Fault::Silent as u8);
             self.reports.answer(self.reports.format(), false);
@@ -263,44 +242,36 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     #[inline(never)]
     fn write_next(&mut self, room: &mut [u8], now: u32) -> usize {
         let mut out = Out::new(room);
-        let written = if let Some((number, check)) = self.queue.ended() {
+        if let Some((number, check)) = self.queue.ended() {
             self.write_completed(&mut out, number, Some(check));
-            Written::End(check)
-        } else if let Some(notice) = self.notices.first() {
-            let (number, code) = (notice.number(), notice.code());
+            return out.finish(|| self.queue.pop_ended(check));
+        }
+        if let Some(notice) = self.notices.first() {
+            let (number, code) = (notice.number, notice.code());
             if code == 0 {
                 self.write_completed(&mut out, number, self.queue.reported().filter(|_| self.order.was_last(number)));
             } else {
                 out.refusal(number, code, notice.format());
             }
-            Written::Notice
-        } else if self.reports.takes_status() {
+            return out.finish(|| self.notices.pop());
+        }
+        if self.reports.status_due != 0 {
             let status = Status { free: self.queue.free(), is_held: self.halt == HELD };
             out.word(b'%', status.bits(), self.reports.format());
-            Written::Status
-        } else if self.reports.is_due(now) {
-            self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
-            self.position.velocity = self.queue.velocity();
-            out.byte(b'=');
-            out.positions(self.reports.format(), &self.position);
-            Written::Report
-        } else {
-            return 0;
-        };
-        let length = out.length().unwrap_or(0);
-        if length != 0 {
-            match written {
-                Written::End(check) => self.queue.pop_ended(check),
-                Written::Notice => self.notices.pop(),
-                Written::Status => self.reports.status_sent(),
-                Written::Report => {
-                    self.reports.sent(now);
-                    self.position.mask = 0;
-                    count(&mut self.health.reports);
-                }
-            }
+            return out.finish(|| self.reports.status_due = 0);
         }
-        length
+        if self.reports.left(now) != 0 {
+            return 0;
+        }
+        self.position.mask = self.settings.axes() | self.position.mask & MASK_VELOCITY;
+        self.position.velocity = self.queue.last.velocity;
+        out.byte(b'=');
+        out.positions(self.reports.format(), &self.position);
+        out.finish(|| {
+            (self.reports.due, self.reports.sent_at) = (0, now);
+            self.position.mask = 0;
+            count(&mut self.health.reports);
+        })
     }
 
     /// The notice that the command with this number was carried out; `check` is that of a move, for the host of a
@@ -329,17 +300,17 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         }
         let mut due = self.reports.left(now);
         if self.busy != 0 {
-            due = due.min(self.quiet_left(now, self.gap()));
+            due = due.min(left(now, self.arrived_at, self.gap()));
         }
         if self.is_watching() {
-            due = due.min(self.quiet_left(now, self.settings.host_ms));
+            due = due.min(left(now, self.arrived_at, self.settings.host_ms));
         }
         due
     }
 
     /// Whether there is something to send, reports aside.
     const fn has_notice(&self) -> bool {
-        self.queue.has_ended() || !self.notices.is_empty() || self.reports.takes_status()
+        self.queue.has_ended() || !self.notices.is_empty() || self.reports.status_due != 0
     }
 
     /// After how long an incomplete command is given up.
@@ -350,11 +321,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     /// Whether the machine is to stop when its host is silent.
     const fn is_watching(&self) -> bool {
         self.settings.host_ms != 0 && self.halt != STOPPING && self.queue.unfinished() != 0
-    }
-
-    /// How long until nothing has come for that long.
-    const fn quiet_left(&self, now: u32, span: u32) -> u32 {
-        left(now, self.arrived_at, span)
     }
 
     /// What was seen so far.
@@ -376,20 +342,21 @@ impl<const QUEUE: usize> Default for Motion<QUEUE> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::Motion;
     use crate::gx::{ENCODED_MAX, Fault};
     use std::vec::Vec;
 
-    fn says(motion: &mut Motion<16>, received: &[u8]) -> Vec<u8> {
+    /// What it sends when it has received this.
+    pub(in crate::gx) fn says<const QUEUE: usize>(motion: &mut Motion<QUEUE>, received: &[u8], now: u32) -> Vec<u8> {
         let mut rest = received;
         while !rest.is_empty() {
-            rest = &rest[motion.receive(rest, 0)..];
-            while motion.poll(0).is_some() {}
+            rest = &rest[motion.receive(rest, now)..];
+            while motion.poll(now).is_some() {}
         }
         let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
         loop {
-            match motion.output(&mut frame, 0) {
+            match motion.output(&mut frame, now) {
                 0 => return said,
                 length => said.extend(&frame[..length]),
             }
@@ -399,11 +366,11 @@ mod tests {
     /// A host that began a new session while the machine still carried out moves of its last session, or of nobody's.
     #[test]
     fn a_stop_is_reported_to_who_waits_for_a_later_move() {
-        let mut motion = Motion::new();
-        assert_eq!(says(&mut motion, b"#7x100\nx200\n#0R0\n#5461R0\n#5462x300\n#5463x400\n"), b"#0\n#5461\n");
+        let mut motion = Motion::<16>::new();
+        assert_eq!(says(&mut motion, b"#7x100\nx200\n#0R0\n#5461R0\n#5462x300\n#5463x400\n", 0), b"#0\n#5461\n");
         assert!(motion.next().is_some());
         motion.stop(Fault::Stopped as u8);
-        assert_eq!(says(&mut motion, b""), b"#5462?20\n");
-        assert_eq!(says(&mut motion, b"#5464x500\n"), b"#5464?17\n");
+        assert_eq!(says(&mut motion, b"", 0), b"#5462?20\n");
+        assert_eq!(says(&mut motion, b"#5464x500\n", 0), b"#5464?17\n");
     }
 }

@@ -107,8 +107,7 @@ mod tests {
             assert_eq!(signed7(low(delta.cast_unsigned()) | HIGH), delta);
         }
         for velocity in 0..=VELOCITY_MAX {
-            let [lower, upper] = halves(velocity);
-            assert_eq!(unsigned14(pushed(&[lower | HIGH, upper | HIGH])), velocity);
+            assert_eq!(unsigned14(pushed(&halves(velocity).map(|half| half | HIGH))), velocity);
         }
         assert_eq!(halves(1000), [0x68, 0x07]);
     }

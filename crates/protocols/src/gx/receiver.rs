@@ -4,13 +4,10 @@
 //!
 //! - Space, CR and LF outside a command mean nothing. ESC forgets what has come, without a word.
 //! - A byte without the high bit where a packed one is due ends the command, as malformed; the byte is looked at again,
-//!   as it may be the first of the next. `!`, `*`, `#`, `~` and `%` (of notices: `#`, `=`, `?`, `&` and `%`) do the
-//!   same in the middle of anything: they stand nowhere else.
-//! - Malformed ASCII is reported at the byte that is wrong, and skipped up to the end of the line. Behind malformed
-//!   binary (or stray packed bytes), packed bytes are skipped.
-//! - A broken number is reported as malformed at the byte that breaks it, and the rest of the line skipped with it. `!`,
-//!   `*` and the others that stand nowhere else clear it as they clear anything, so what begins there is delivered,
-//!   without a number.
+//!   as it may be the first of the next. `!`, `*`, `#`, `~` and `%` (of notices: `#`, `=`, `?`, `&` and `%`), which
+//!   begin something and stand nowhere else, do the same in the middle of anything.
+//! - Malformed ASCII, a broken number too, is reported at the byte that is wrong, and skipped up to the end of the line
+//!   or such a first byte. Behind malformed binary (or stray packed bytes), packed bytes are skipped.
 //! - ASCII: words in any order, spaces between them; a sign before the digits of an axis; any number of leading zeros,
 //!   and so lines of any length, as nothing of them is kept.
 
@@ -21,7 +18,6 @@ use super::packed::{HIGH, NUMBER_MAX, halves, low};
 use super::vector::{MASK_VELOCITY, Vector};
 
 mod binary;
-mod number;
 mod text;
 
 use text::{is_end, word};
@@ -79,7 +75,7 @@ pub struct Receiver<const NOTICES: bool> {
     left: u8,
     /// Packed bytes of the value still to come. In ASCII: the number of the word.
     place: u8,
-    number: Numbered,
+    pub(super) number: Numbered,
     /// The value that is being read, packed groups or decimal digits; then the code.
     value: u32,
     /// Axes and velocity so far; as the velocity, the period of reports too.
@@ -105,12 +101,10 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     }
 
     /// Takes bytes up to the end of a command or notice; returns how many, and its kind. All of them are taken if none
-    /// ends there. A malformed command may end before the first of them, so call again as long as bytes are left, also
-    /// if none was taken.
-    ///
-    /// Each malformed command is one [`Kind::Malformed`], with its number if that was complete. A packed number is a
-    /// whole notice, but may be the beginning of an error notice too: it is reported when the next byte has come, or
-    /// the line is [`idle`](Self::idle).
+    /// ends there. A malformed command, one [`Kind::Malformed`] with its number if that was complete, may end before the
+    /// first of them, so call again as long as bytes are left, also if none was taken. A packed number is a whole
+    /// notice, but may begin an error notice too: it is reported when the next byte has come, or the line is
+    /// [`idle`](Self::idle).
     #[inline]
     pub fn receive(&mut self, bytes: &[u8]) -> (usize, Option<Kind>) {
         let mut rest = bytes;
@@ -148,11 +142,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         Some(self.malformed(Fault::Interrupted, is_packed))
     }
 
-    /// Forgets what has come of a command, as ESC does.
-    pub fn reset(&mut self) {
-        self.state = IDLE;
-    }
-
     /// The values of what was found: positions, deltas, or a velocity alone. Only those that its mask flags count.
     #[must_use]
     pub const fn vector(&self) -> &Vector {
@@ -163,10 +152,6 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     #[must_use]
     pub const fn number(&self) -> Option<Number> {
         self.number.get()
-    }
-
-    pub(super) const fn numbered(&self) -> Numbered {
-        self.number
     }
 
     /// How it was written; not that of a completion, which is its number's.
@@ -237,7 +222,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     fn plain(&mut self, byte: u8) -> Step {
         let state = self.state;
         if byte == ESC {
-            self.reset();
+            self.state = IDLE;
             self.number = Numbered::NONE;
             return Step::Taken;
         }

@@ -2,7 +2,7 @@
 
 use super::{DRAINING, Host, Is, OPEN, Send};
 use crate::gx::receiver::ESC;
-use crate::gx::{Control, EncodeError, Format, Number, Vector};
+use crate::gx::{Control, Format, Number, Vector, Written};
 use crate::gx::{write_control, write_move, write_reporting, write_shortest};
 use crate::session::count;
 
@@ -14,12 +14,9 @@ impl<const WINDOW: usize> Host<WINDOW> {
             return self.put_control(room, now);
         }
         // No other command may come between those that begin a session.
-        let begins = self.is_shaking_hands() && self.send.has(Send::Reporting);
-        if begins || self.send.has(Send::Handshake) {
-            return self.put_handshake(room, now);
-        }
-        if self.send.has(Send::Reporting) {
-            return self.put_reporting(room, now);
+        let begins = self.send.has(Send::Handshake) || self.is_shaking_hands() && self.send.has(Send::Reporting);
+        if begins || self.send.has(Send::Reporting) {
+            return self.put_reporting(begins, room, now);
         }
         if let Some(index) = self.to_retransmit() {
             return self.retransmit(index, room, now);
@@ -31,7 +28,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         let format = self.settings.format();
         // Behind the number of a move whose rest was lost, it would be answered by that number.
         let control = Control::of(self.control).unwrap_or(Control::Query);
-        let length = put_behind(b'\n', room, |rest| write_control(format, None, control, rest)).unwrap_or(0);
+        let length = put_behind(b'\n', room, |rest| write_control(format, None, control, rest));
         if length != 0 {
             self.send.clear(Send::Control);
             self.control_sent.send(now);
@@ -39,30 +36,21 @@ impl<const WINDOW: usize> Host<WINDOW> {
         length
     }
 
-    fn put_handshake(&mut self, room: &mut [u8], now: u32) -> usize {
+    /// The request for reports, with a number where that begins a session.
+    fn put_reporting(&mut self, begins: bool, room: &mut [u8], now: u32) -> usize {
         let format = self.settings.format();
-        let number = Some(Number { value: self.handshake, format });
-        // ESC ends whatever came of a command before.
-        let length = put_behind(ESC, room, |rest| write_reporting(format, number, self.period, rest));
-        let length = length.unwrap_or(0);
+        // ESC ends whatever came of a command before. Behind the number of a move whose rest was lost, a request that
+        // has none would begin a session.
+        let (first, number) =
+            if begins { (ESC, Some(Number { value: self.handshake, format })) } else { (b'\n', None) };
+        let length = put_behind(first, room, |rest| write_reporting(format, number, self.period, rest));
         if length != 0 {
             if self.send.has(Send::Handshake) {
                 self.asked_at = now;
-            } else {
+            } else if begins {
                 self.is.set(Is::Repeated);
             }
             self.send.clear(Send::Handshake);
-            self.send.clear(Send::Reporting);
-            self.reports_at = now;
-        }
-        length
-    }
-
-    fn put_reporting(&mut self, room: &mut [u8], now: u32) -> usize {
-        // Behind the number of a move whose rest was lost, it would begin a session.
-        let length = put_behind(b'\n', room, |rest| write_reporting(self.settings.format(), None, self.period, rest));
-        let length = length.unwrap_or(0);
-        if length != 0 {
             self.send.clear(Send::Reporting);
             self.reports_at = now;
         }
@@ -81,7 +69,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         let length = write_move(format, Some(number), &target, room).unwrap_or(0);
         if length != 0 {
             self.window.make_absolute(index);
-            if self.cursor < self.window.sent() {
+            if self.cursor < self.window.sent {
                 self.cursor = index.wrapping_add(1);
             }
             self.send.clear(Send::Probe);
@@ -92,7 +80,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     }
 
     fn put_next(&mut self, room: &mut [u8], now: u32) -> usize {
-        let index = self.window.sent();
+        let index = self.window.sent;
         let mut target = Vector::new();
         let is_due = self.since_absolute.saturating_add(1) >= self.settings.absolute_every();
         // What only sends numbers back says nothing of what it makes of a command.
@@ -118,7 +106,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
             self.since_absolute = if is_absolute { 0 } else { self.since_absolute.saturating_add(1) };
             self.is.clear(Is::OffPlan);
             self.window.advance();
-            self.cursor = self.window.sent();
+            self.cursor = self.window.sent;
             self.asked_at = now;
             count(&mut self.health.moves);
         }
@@ -131,15 +119,15 @@ impl<const WINDOW: usize> Host<WINDOW> {
             return None;
         }
         let oldest = self.window.oldest()?;
-        if self.cursor < self.window.sent() {
+        if self.cursor < self.window.sent {
             return Some(self.cursor.max(oldest));
         }
-        (self.send.has(Send::Probe)).then(|| self.window.sent().wrapping_sub(1))
+        (self.send.has(Send::Probe)).then(|| self.window.sent.wrapping_sub(1))
     }
 
     /// Whether a move is to be sent for the first time now.
     pub(super) fn may_send(&self) -> bool {
-        let sent = self.window.sent();
+        let sent = self.window.sent;
         let unfinished = self.window.oldest().map_or(0, |oldest| usize::from(sent.wrapping_sub(oldest)));
         let held = self.is.has(Is::Held);
         let stops = self.asked() == Some(Control::Stop);
@@ -147,13 +135,9 @@ impl<const WINDOW: usize> Host<WINDOW> {
     }
 }
 
-/// Writes something behind a byte.
-fn put_behind(
-    first: u8,
-    room: &mut [u8],
-    write: impl FnOnce(&mut [u8]) -> Result<usize, EncodeError>,
-) -> Result<usize, EncodeError> {
-    let [head, rest @ ..] = room else { return Err(EncodeError::Room) };
+/// Writes something behind a byte; returns the length, 0 if it does not fit.
+fn put_behind(first: u8, room: &mut [u8], write: impl FnOnce(&mut [u8]) -> Written) -> usize {
+    let [head, rest @ ..] = room else { return 0 };
     *head = first;
-    write(rest).map(|length| length.wrapping_add(1))
+    write(rest).map_or(0, |length| length.wrapping_add(1))
 }

@@ -1,7 +1,6 @@
 //! How a session begins: see [`host`](super).
 
-use super::event::{Outcome, Pending};
-use super::{Host, Is, OPEN, Send};
+use super::{Host, Is, OPEN, Outcome, Pending, Send};
 use crate::gx::NUMBER_MAX;
 use crate::gx::motion::STRIDE;
 use crate::session::count;
@@ -103,7 +102,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// No session can be had.
     fn give_up(&mut self) {
-        self.window.end(0, self.window.len(), Outcome::TimedOut, 0);
+        self.window.end(0, self.window.count, Outcome::TimedOut, 0);
         self.end_session(Outcome::TimedOut, 0);
     }
 }
@@ -111,7 +110,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
 #[cfg(test)]
 mod tests {
     use crate::gx::host::{Event, Host, Outcome, Settings};
-    use crate::gx::motion::Motion;
+    use crate::gx::motion::{Motion, tests::says};
     use crate::gx::{CommandReceiver, ENCODED_MAX, Vector, write_completed};
     use std::vec::Vec;
 
@@ -121,7 +120,7 @@ mod tests {
         asks_for_reports: bool,
         mut answer: impl FnMut(&[u8], u32) -> Vec<u8>,
     ) -> (Option<Outcome>, bool) {
-        let mut host = Host::<4>::new(Settings::new());
+        let mut host = Host::<4>::new(Settings::default());
         assert_eq!(host.move_to(&Vector { mask: 1, ..Vector::new() }), Ok(()));
         let mut answers: Vec<(u32, Vec<u8>)> = Vec::new();
         let end = (0..100_000).step_by(10).find_map(|now| {
@@ -154,13 +153,15 @@ mod tests {
 
     /// Requests are sent again before their answers have come, and so are answered several times.
     #[test]
-    fn late_answers_are_not_taken_for_order() {
+    fn neither_late_answers_nor_reports_are_taken_for_order() {
         for latency in (0..2000).step_by(50) {
             for asks_for_reports in [false, true] {
                 let end = end_of_a_move(latency, asks_for_reports, echo);
                 assert_eq!(end, (Some(Outcome::TimedOut), false), "{latency} ms");
             }
         }
+        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
+        assert_eq!(end, (Some(Outcome::TimedOut), false));
     }
 
     #[test]
@@ -168,26 +169,14 @@ mod tests {
         for latency in (0..2000).step_by(50) {
             let mut motion = Motion::<4>::new();
             let end = end_of_a_move(latency, false, |command, now| {
-                motion.receive(command, now);
-                while motion.poll(now).is_some() {}
+                let mut said = says(&mut motion, command, now);
                 if motion.next().is_some() {
                     motion.done();
+                    said.extend(says(&mut motion, b"", now));
                 }
-                let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
-                loop {
-                    match motion.output(&mut frame, now) {
-                        0 => return said,
-                        length => said.extend(&frame[..length]),
-                    }
-                }
+                said
             });
             assert_eq!(end, (Some(Outcome::Finished), true), "{latency} ms");
         }
-    }
-
-    #[test]
-    fn reports_are_no_answers() {
-        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
-        assert_eq!(end, (Some(Outcome::TimedOut), false));
     }
 }

@@ -1,8 +1,7 @@
 //! What a notice means.
 
-use super::event::{Outcome, Pending};
-use super::{DRAINING, Host, IDLE, Is, OPEN, Send};
-use crate::gx::{CODE_FREE, Control, Fault, Kind, Status};
+use super::{DRAINING, Host, IDLE, Is, OPEN, Outcome, Pending, Send};
+use crate::gx::{CODE_FREE, Control, Fault, Kind, NUMBER_MAX, Status};
 use crate::session::count;
 
 const BUSY: u8 = Fault::Busy as u8;
@@ -17,25 +16,31 @@ impl<const WINDOW: usize> Host<WINDOW> {
     pub(super) fn handle(&mut self, kind: Kind, now: u32) {
         let number = self.receiver.number().map(|number| number.value);
         match kind {
-            Kind::Completed => self.completed(number.unwrap_or_default(), now),
+            Kind::Completed | Kind::Confirmed => {
+                count(&mut self.health.completions);
+                let number = number.unwrap_or_default();
+                let is_expected = if kind == Kind::Confirmed {
+                    self.confirmed(now)
+                } else if self.is_shaking_hands() {
+                    self.echoed(number)
+                } else {
+                    self.finished(number, now)
+                };
+                if !is_expected {
+                    count(&mut self.health.strays);
+                }
+            }
             Kind::Refused => {
                 let code = self.receiver.code();
                 count(&mut self.health.errors);
                 self.error_code = code;
-                self.error_number = self.receiver.numbered();
+                self.error_number = self.receiver.number;
                 self.pending.set(Pending::Error);
                 if code == UNKNOWN && number.is_none() && self.asked().is_some() {
                     // A motion side that does not know the extension.
                     self.give_up_asking();
                 } else if matches!(self.stage, OPEN | DRAINING) {
                     self.refused(number, code, now);
-                }
-            }
-            Kind::Confirmed => {
-                let (number, check) = self.receiver.confirmed();
-                count(&mut self.health.completions);
-                if !self.confirmed(number, check, now) {
-                    count(&mut self.health.strays);
                 }
             }
             Kind::Status => {
@@ -71,34 +76,32 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
     }
 
-    fn completed(&mut self, number: u16, now: u32) {
-        count(&mut self.health.completions);
-        let is_expected = if self.is_shaking_hands() { self.echoed(number) } else { self.finished(number, now) };
-        if !is_expected {
-            count(&mut self.health.strays);
-        }
-    }
-
     /// The moves up to the one with this number have been carried out; `false` if none has it.
     fn finished(&mut self, number: u16, now: u32) -> bool {
-        let (OPEN | DRAINING, Some(index)) = (self.stage, self.find_unfinished(number)) else { return false };
-        self.window.end(0, index.wrapping_add(1), Outcome::Finished, 0);
-        self.progressed_at = now;
-        self.unanswered = 0;
-        self.is.clear(Is::Held);
+        let Some(index) = self.window.find(number, NUMBER_MAX) else { return false };
+        self.ended(index, Outcome::Finished, Outcome::Finished, now);
         true
     }
 
+    /// A move has ended, and before it those that had not.
+    fn ended(&mut self, index: u8, before: Outcome, outcome: Outcome, now: u32) {
+        self.window.end(0, index, before, 0);
+        self.window.end(index, index.wrapping_add(1), outcome, 0);
+        self.progressed_at = now;
+        self.unanswered = 0;
+        self.is.clear(Is::Held);
+    }
+
     /// A move whose number ends in these bits was carried out, and led where the check says; `false` if none has it.
-    fn confirmed(&mut self, number: u8, check: u8, now: u32) -> bool {
-        let (OPEN | DRAINING, Some(oldest)) = (self.stage, self.window.oldest()) else { return false };
-        let Some(index) = self.window.find_ending(number).filter(|index| *index >= oldest) else { return false };
+    fn confirmed(&mut self, now: u32) -> bool {
+        let (number, check) = self.receiver.confirmed();
+        let Some(index) = self.window.find(number.into(), 0x7F) else { return false };
         let fits = self.window.check(index) == Some(check);
         let was_suspect = self.is.has(Is::Suspect);
         if !fits {
             count(&mut self.health.deviations);
             self.is.set(Is::OffPlan);
-            if index > oldest && !was_suspect {
+            if self.window.oldest() != Some(index) && !was_suspect {
                 // It may be the notice that was damaged. If not, the next one does not fit either.
                 self.is.set(Is::Suspect);
                 return true;
@@ -106,12 +109,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
         self.is.clear(Is::Suspect);
         let before = if was_suspect { Outcome::Deviated } else { Outcome::Finished };
-        self.window.end(0, index, before, 0);
-        let outcome = if fits { Outcome::Finished } else { Outcome::Deviated };
-        self.window.end(index, index.wrapping_add(1), outcome, 0);
-        self.progressed_at = now;
-        self.unanswered = 0;
-        self.is.clear(Is::Held);
+        self.ended(index, before, if fits { Outcome::Finished } else { Outcome::Deviated }, now);
         true
     }
 
@@ -141,18 +139,12 @@ impl<const WINDOW: usize> Host<WINDOW> {
         self.pending.set(Pending::Unanswered);
     }
 
-    /// Which of the moves that were sent and have not ended has that number.
-    fn find_unfinished(&self, number: u16) -> Option<u8> {
-        let oldest = self.window.oldest()?;
-        self.window.find(number).filter(|index| *index >= oldest)
-    }
-
     fn refused(&mut self, number: Option<u16>, code: u8, now: u32) {
         let Some(number) = number else {
             self.is.set(Is::GoingBack);
             return;
         };
-        let Some(index) = self.find_unfinished(number) else {
+        let Some(index) = self.window.find(number, NUMBER_MAX) else {
             count(&mut self.health.strays);
             return;
         };
@@ -176,15 +168,20 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
     }
 
+    /// A move was refused for good: it and those behind it are taken for not sent.
     fn refuse(&mut self, index: u8, code: u8) {
-        self.window.refuse(index, code);
-        self.cursor = self.cursor.min(self.window.sent());
+        self.window.end(index, index.wrapping_add(1), Outcome::Refused, code);
+        self.window.end(index, self.window.count, Outcome::Dropped, code);
+        self.window.sent = index;
+        self.cursor = self.cursor.min(index);
         self.stage = DRAINING;
     }
 
-    /// Nothing more is known of what was sent.
+    /// Nothing more is known of what was sent, which ends like this; the other moves are dropped.
     pub(super) fn end_session(&mut self, outcome: Outcome, code: u8) {
-        self.window.end_all(outcome, code);
+        self.window.end(0, self.window.sent, outcome, code);
+        self.window.end(self.window.sent, self.window.count, Outcome::Dropped, code);
+        self.window.sent = 0;
         self.stage = IDLE;
         self.cursor = 0;
         self.send.clear(Send::Handshake);

@@ -10,49 +10,28 @@ use crate::session::{span, times};
 pub struct Settings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: u32,
-    /// How long no move may end until the newest one sent is sent again, in case something was lost; by default 1000.
+    /// When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000.
     pub probe_ms: u32,
     /// A session is given up when a move takes longer than this from its turn on; by default 120000.
     pub move_ms: u32,
     /// A notice is complete when the line was quiet for this long, or another one has begun; by default 50.
     pub gap_ms: u32,
-    /// How often something is sent without any answer, or a session is asked for that the motion side does not keep,
-    /// before it is given up; by default 8. Below 0: without end.
+    /// How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit.
     pub attempts: i16,
-    /// Most moves that are sent and unfinished at a time, 1 to the session's `WINDOW`; by default that. More than the
-    /// motion side queues are refused by it, and sent again.
+    /// Most moves that are sent and unfinished at a time: 1 to `WINDOW`, the default. Refused ones are sent again.
     pub window: u8,
     /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
     pub ascii: u8,
     /// The number that the first session begins with, 0 to 16383.
     pub first_number: u16,
-    /// Every so manieth move is sent in positions of all axes, so that nothing drifts: 1 for all of them; by default
-    /// every 16th.
+    /// Every so manieth move is sent in positions, 1 to 255, so that nothing drifts; by default every 16th.
     pub absolute_every: u8,
-    /// Not 0: the motion side sends numbers back and no more, as the proposal has it. No session is begun, and one move
-    /// at a time is sent, in positions; again when its number has not come back after [`probe_ms`](Self::probe_ms),
-    /// which should be longer than a move lasts.
+    /// Not 0: the motion side only sends numbers back, as the proposal has it. Then without a session one move at a
+    /// time is sent, in positions; again after [`probe_ms`](Self::probe_ms), which should be longer than a move lasts.
     pub echo: u8,
 }
 
 impl Settings {
-    /// All of them at their defaults.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            answer_ms: 0,
-            probe_ms: 0,
-            move_ms: 0,
-            gap_ms: 0,
-            attempts: 0,
-            window: 0,
-            ascii: 0,
-            first_number: 0,
-            absolute_every: 0,
-            echo: 0,
-        }
-    }
-
     pub(super) const fn answer(&self) -> u32 {
         span(self.answer_ms, 250)
     }
@@ -122,32 +101,13 @@ pub struct Health {
     pub deviations: u32,
 }
 
-impl Health {
-    /// Nothing counted yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            moves: 0,
-            repeats: 0,
-            completions: 0,
-            errors: 0,
-            strays: 0,
-            reports: 0,
-            malformed: 0,
-            timeouts: 0,
-            sessions: 0,
-            deviations: 0,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Format, Settings};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut it = Settings::new();
+        let mut it = Settings::default();
         assert_eq!((it.answer(), it.probe(), it.move_timeout(), it.gap()), (250, 1000, 120_000, 50));
         assert_eq!((it.window(16), it.format(), it.first_number()), (16, Format::Binary, 0));
         assert!(it.allows(7) && !it.allows(8));

@@ -78,7 +78,10 @@ impl<const WINDOW: usize> Host<WINDOW> {
             _ if self.is_shaking_hands() => {
                 (!self.send.has(Send::Handshake)).then(|| self.answer_left(now, self.asked_at))
             }
-            _ => (self.window.waits() && self.asked() != Some(Control::Stop)).then_some(0),
+            _ => {
+                let waits = self.window.sent == 0 && self.window.has_next();
+                (waits && self.asked() != Some(Control::Stop)).then_some(0)
+            }
         }
     }
 

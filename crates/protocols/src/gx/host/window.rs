@@ -1,9 +1,9 @@
 //! The moves that were requested and whose ends were not fetched yet.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, TryFromBytes};
 
-use super::event::Outcome;
-use crate::gx::packed::halves;
+use super::Outcome;
+use crate::bytes::wrap;
 use crate::gx::{AXES, MASK_AXES, MASK_VELOCITY, NUMBER_MAX, Vector};
 
 /// A requested move.
@@ -29,34 +29,22 @@ pub(super) struct Window<const SIZE: usize> {
     /// The number of the oldest, if that was sent.
     first: u16,
     head: u8,
-    count: u8,
+    pub(super) count: u8,
     /// How many have been sent in this session, and have their numbers.
-    sent: u8,
+    pub(super) sent: u8,
 }
 
 impl<const SIZE: usize> Window<SIZE> {
-    pub(super) const fn new() -> Self {
-        const NONE: Requested = Requested { target: Vector::new(), named: 0, absolute: 0, outcome: 0, code: 0 };
-        Self { moves: [NONE; SIZE], base: Vector::new(), first: 0, head: 0, count: 0, sent: 0 }
-    }
-
-    pub(super) fn has_room(&self) -> bool {
-        usize::from(self.count) < SIZE
-    }
-
-    pub(super) const fn sent(&self) -> u8 {
-        self.sent
-    }
-
-    /// Puts a move behind the others. There has to be room.
-    pub(super) fn push(&mut self, target: &Vector) {
-        let place = self.place(self.count);
-        if let Some(requested) = self.moves.get_mut(place) {
+    /// Puts a move behind the others; `false` if there is no room.
+    pub(super) fn push(&mut self, target: &Vector) -> bool {
+        let has_room = usize::from(self.count) < SIZE;
+        if let Some(requested) = self.at_mut(self.count).filter(|_| has_room) {
             requested.target.copy(target);
             (requested.named, requested.absolute) = (target.mask, 0);
             (requested.outcome, requested.code) = (0, 0);
             self.count = self.count.wrapping_add(1);
         }
+        has_room
     }
 
     /// Nothing is known any more of where the machine is: the moves that come are the first of a session, which has
@@ -72,11 +60,10 @@ impl<const SIZE: usize> Window<SIZE> {
         self.first.wrapping_add(index.into()) & NUMBER_MAX
     }
 
-    /// Which of the moves that were sent has a number that ends in these seven bits.
-    pub(super) fn find_ending(&self, number: u8) -> Option<u8> {
-        let [first, _] = halves(self.first);
-        let index = number.wrapping_sub(first) & 0x7F;
-        Some(index).filter(|index| *index < self.sent)
+    /// Which of the moves that were sent and have not ended has a number with these lowest bits.
+    pub(super) fn find(&self, number: u16, mask: u16) -> Option<u8> {
+        let index = u8::try_from(number.wrapping_sub(self.first) & mask).ok()?;
+        (self.oldest()?..self.sent).contains(&index).then_some(index)
     }
 
     /// The check of a move that was sent.
@@ -97,13 +84,8 @@ impl<const SIZE: usize> Window<SIZE> {
         })
     }
 
-    /// Which of the moves that were sent has that number; none if it is an old one's.
-    pub(super) fn find(&self, number: u16) -> Option<u8> {
-        let index = number.wrapping_sub(self.first) & NUMBER_MAX;
-        u8::try_from(index).ok().filter(|index| *index < self.sent)
-    }
-
     /// The oldest move that was sent and has not ended.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn oldest(&self) -> Option<u8> {
         (0..self.sent).find(|index| self.at(*index).is_some_and(|requested| requested.outcome == 0))
     }
@@ -111,11 +93,6 @@ impl<const SIZE: usize> Window<SIZE> {
     /// Whether a move waits to be sent, nothing before it having gone wrong.
     pub(super) fn has_next(&self) -> bool {
         self.sent < self.count && self.at(self.sent).is_some_and(|requested| requested.outcome == 0)
-    }
-
-    /// Whether the oldest move was not sent, and has not ended.
-    pub(super) fn waits(&self) -> bool {
-        self.sent == 0 && self.has_next()
     }
 
     /// What a move that is sent for the first time is to be written as: without a velocity that is in force already.
@@ -131,17 +108,9 @@ impl<const SIZE: usize> Window<SIZE> {
 
     /// What corrects a deviation: the positions of all axes that are known, and the velocity.
     pub(super) fn command_for_all(&self, index: u8, out: &mut Vector) {
-        let Some(requested) = self.at(index) else { return };
-        let before = self.before(index);
-        out.copy(&requested.target);
-        out.mask = requested.named;
-        for (axis, value) in before.axes.iter().enumerate() {
-            if before.has(axis) && !out.has(axis) {
-                out.set(axis, *value);
-            }
-        }
-        if let (None, Some(velocity)) = (out.velocity(), before.velocity()) {
-            out.set_velocity(velocity);
+        out.copy(self.before(index));
+        if let Some(requested) = self.at(index) {
+            out.merge(&requested.target);
         }
     }
 
@@ -162,8 +131,7 @@ impl<const SIZE: usize> Window<SIZE> {
 
     /// A move is sent as absolute positions.
     pub(super) fn make_absolute(&mut self, index: u8) {
-        let place = self.place(index);
-        if let Some(requested) = self.moves.get_mut(place) {
+        if let Some(requested) = self.at_mut(index) {
             requested.absolute = 1;
         }
     }
@@ -173,41 +141,24 @@ impl<const SIZE: usize> Window<SIZE> {
         self.at(index).is_some_and(|requested| requested.absolute != 0)
     }
 
-    /// The next move has been sent.
+    /// The next move has been sent: what it does not name stays where the move before leads to.
     pub(super) fn advance(&mut self) {
-        // What it does not name stays where the move before leads to.
         let mut target = Vector::new();
-        target.copy(self.before(self.sent));
-        let place = self.place(self.sent);
-        if let Some(requested) = self.moves.get_mut(place) {
-            target.merge(&requested.target);
+        self.command_for_all(self.sent, &mut target);
+        if let Some(requested) = self.at_mut(self.sent) {
             requested.target.copy(&target);
         }
         self.sent = self.sent.wrapping_add(1);
     }
 
     /// The moves from one on to before another have ended, those of them that had not yet.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn end(&mut self, from: u8, to: u8, outcome: Outcome, code: u8) {
         for index in from..to.min(self.count) {
-            let place = self.place(index);
-            if let Some(requested) = self.moves.get_mut(place).filter(|requested| requested.outcome == 0) {
+            if let Some(requested) = self.at_mut(index).filter(|requested| requested.outcome == 0) {
                 (requested.outcome, requested.code) = (outcome as u8, code);
             }
         }
-    }
-
-    /// All moves that have not ended have: those sent like this, the others are dropped.
-    pub(super) fn end_all(&mut self, outcome: Outcome, code: u8) {
-        self.end(0, self.sent, outcome, code);
-        self.end(self.sent, self.count, Outcome::Dropped, code);
-        self.sent = 0;
-    }
-
-    /// A move was refused: it and those behind it have not been sent any more.
-    pub(super) fn refuse(&mut self, index: u8, code: u8) {
-        self.end(index, index.wrapping_add(1), Outcome::Refused, code);
-        self.end(index, self.count, Outcome::Dropped, code);
-        self.sent = index;
     }
 
     /// Whether the end of the oldest is to be fetched.
@@ -217,8 +168,9 @@ impl<const SIZE: usize> Window<SIZE> {
 
     /// Takes the oldest move away if it has ended, and returns how.
     pub(super) fn take_ended(&mut self) -> Option<(Outcome, u8)> {
-        let oldest = self.at(0).filter(|_| self.count > 0)?;
-        let ended = (Outcome::of(oldest.outcome)?, oldest.code);
+        let oldest = self.at(0).filter(|_| self.has_ended())?;
+        let outcome = Outcome::try_read_from_bytes(&[oldest.outcome]).unwrap_or(Outcome::TimedOut);
+        let code = oldest.code;
         if self.sent > 0 {
             let place = self.place(0);
             if let Some(oldest) = self.moves.get(place) {
@@ -229,19 +181,19 @@ impl<const SIZE: usize> Window<SIZE> {
         }
         self.head = u8::try_from(self.place(1)).unwrap_or_default();
         self.count = self.count.wrapping_sub(1);
-        Some(ended)
-    }
-
-    pub(super) const fn len(&self) -> u8 {
-        self.count
+        Some((outcome, code))
     }
 
     fn place(&self, index: u8) -> usize {
-        let place = usize::from(self.head).wrapping_add(usize::from(index));
-        if place < SIZE { place } else { place.wrapping_sub(SIZE) }
+        wrap::<SIZE>(usize::from(self.head).wrapping_add(index.into()))
     }
 
     fn at(&self, index: u8) -> Option<&Requested> {
         self.moves.get(self.place(index))
+    }
+
+    fn at_mut(&mut self, index: u8) -> Option<&mut Requested> {
+        let place = self.place(index);
+        self.moves.get_mut(place)
     }
 }

@@ -8,7 +8,7 @@ use crate::session::count;
 impl<const QUEUE: usize> Motion<QUEUE> {
     /// Deals with what the receiver has found: that is at most one event, and one notice that answers it.
     pub(super) fn handle(&mut self, kind: Kind) {
-        let (number, format) = (self.receiver.numbered(), self.receiver.format());
+        let (number, format) = (self.receiver.number, self.receiver.format());
         let mut fault = 0;
         let mut is_answered = number.is_some();
         let event = match kind {
@@ -75,7 +75,7 @@ impl<const QUEUE: usize> Motion<QUEUE> {
         if vector.mask & MASK_AXES & !self.settings.axes() != 0 {
             return Verdict::Refuse(Fault::Axis);
         }
-        if !self.queue.has_room() {
+        if self.queue.free() == 0 {
             return Verdict::Refuse(Fault::Busy);
         }
         if self.queue.push(vector, is_step, number).is_err() {

@@ -54,10 +54,6 @@ pub(super) struct Pending {
 }
 
 impl Pending {
-    pub(super) const fn new() -> Self {
-        Self { number: Numbered::NONE, code: 0, kind: 0 }
-    }
-
     pub(super) const fn is_none(&self) -> bool {
         self.kind == 0
     }

@@ -7,16 +7,12 @@ use crate::gx::{Format, Numbered};
 /// A notice.
 #[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
 pub(super) struct Notice {
-    number: Numbered,
+    pub(super) number: Numbered,
     /// The code, 0 for a completion; the high bit is set where the command was in ASCII.
     code: u8,
 }
 
 impl Notice {
-    pub(super) const fn number(self) -> Numbered {
-        self.number
-    }
-
     pub(super) const fn format(self) -> Format {
         if self.code & ASCII == 0 { Format::Binary } else { Format::Ascii }
     }
@@ -38,10 +34,6 @@ pub(super) struct Notices {
 }
 
 impl Notices {
-    pub(super) const fn new() -> Self {
-        Self { list: [Notice { number: Numbered::NONE, code: 0 }; ROOM], count: 0 }
-    }
-
     /// Whether there is room for what one command brings about, and one more.
     pub(super) const fn has_room(&self) -> bool {
         self.count <= 2

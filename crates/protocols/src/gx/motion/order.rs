@@ -56,10 +56,6 @@ pub(super) enum Begun {
 }
 
 impl Order {
-    pub(super) const fn new() -> Self {
-        Self { next: 0, refused: 0, asked: 0, paired: 0, stage: FREE, refusing: 0 }
-    }
-
     /// A host asks for reports, with a number. Where an order is kept already, or has to be (`only`), that begins a
     /// session by itself.
     pub(super) fn ask(&mut self, number: u16, only: bool) -> Begun {
@@ -147,48 +143,44 @@ impl Order {
 
 #[cfg(test)]
 mod tests {
-    use super::{Begun, Order, Verdict};
+    use super::Verdict::{self, Next, Refuse, Repeat};
+    use super::{Begun, Order};
     use crate::gx::{Fault, Format, Numbered};
+    use zerocopy::FromZeros;
 
-    fn judge(order: &Order, number: Option<u16>, only: bool) -> Verdict {
-        order.judge(number.map_or(Numbered::NONE, |number| Numbered::new(number, Format::Ascii)), only)
+    fn judge<const N: usize>(order: &Order, only: bool, numbers: [Option<u16>; N]) -> [Verdict; N] {
+        let number = |value| Numbered::new(value, Format::Ascii);
+        numbers.map(|value| order.judge(value.map_or(Numbered::NONE, number), only))
     }
 
     /// A session whose first move has the number behind this one.
     fn begun(number: u16) -> Order {
-        let mut order = Order::new();
+        let mut order = Order::new_zeroed();
         assert_eq!(order.ask(number, true), Begun::Alone);
         order
     }
 
     #[test]
     fn numbers_count_once_begun_and_wrap() {
+        let [order_error, closed, numberless] = [Fault::Order, Fault::Closed, Fault::Numberless].map(Refuse);
         let mut order = begun(16382);
-        assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));
-        assert_eq!(judge(&order, Some(16383), false), Verdict::Next);
-        assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Order));
-        assert_eq!(judge(&order, Some(16382), false), Verdict::Repeat);
+        let verdicts = judge(&order, false, [None, Some(16383), Some(0), Some(16382)]);
+        assert_eq!(verdicts, [numberless, Next, order_error, Repeat]);
         order.taken();
-        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
-        assert_eq!(judge(&order, Some(16383), false), Verdict::Repeat);
-        assert_eq!(judge(&order, Some(16380), false), Verdict::Repeat);
-        assert_eq!(judge(&order, Some(8191), false), Verdict::Refuse(Fault::Order));
-        assert_eq!(judge(&order, Some(8192), false), Verdict::Repeat);
+        let verdicts = judge(&order, false, [0, 16383, 16380, 8191, 8192].map(Some));
+        assert_eq!(verdicts, [Next, Repeat, Repeat, order_error, Repeat]);
         order.stop();
-        assert_eq!(judge(&order, Some(0), false), Verdict::Refuse(Fault::Closed));
-        assert_eq!(judge(&order, None, false), Verdict::Refuse(Fault::Numberless));
+        assert_eq!(judge(&order, false, [Some(0), None]), [closed, numberless]);
         order.close();
-        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
-        assert_eq!(judge(&order, None, false), Verdict::Next);
-        assert_eq!(judge(&order, Some(0), true), Verdict::Refuse(Fault::Closed));
-        assert_eq!(judge(&order, None, true), Verdict::Refuse(Fault::Numberless));
+        assert_eq!(judge(&order, false, [Some(0), None]), [Next, Next]);
+        assert_eq!(judge(&order, true, [Some(0), None]), [closed, numberless]);
         order.stop();
-        assert_eq!(judge(&order, Some(0), false), Verdict::Next);
+        assert_eq!(judge(&order, false, [Some(0)]), [Next]);
     }
 
     #[test]
     fn two_requests_begin() {
-        let mut order = Order::new();
+        let mut order = Order::new_zeroed();
         for (number, begun) in [
             (12, Begun::None),
             (12, Begun::None),
@@ -201,37 +193,27 @@ mod tests {
             (11, Begun::Behind(10934)),
         ] {
             assert_eq!(order.ask(number, false), begun, "{number}");
-            assert_eq!(judge(&order, Some(number + 1), false), Verdict::Next, "{number}");
+            assert_eq!(judge(&order, false, [Some(number + 1)]), [Next], "{number}");
         }
         order.close();
         assert_eq!(order.ask(5472, false), Begun::None);
         order.forget();
         assert_eq!(order.ask(10933, false), Begun::None);
-        assert_eq!(judge(&order, None, false), Verdict::Next);
+        assert_eq!(judge(&order, false, [None]), [Next]);
         assert_eq!(order.ask(10, false), Begun::Behind(10933));
-    }
-
-    /// After a stop, one is enough too: no other host has come so far.
-    #[test]
-    fn one_request_begins_anew() {
-        let mut order = begun(9);
+        // After a stop, one is enough too: no other host has come so far.
         order.stop();
         order.forget();
         assert_eq!(order.ask(100, false), Begun::Alone);
-        assert_eq!(judge(&order, Some(101), false), Verdict::Next);
+        assert_eq!(judge(&order, false, [Some(101)]), [Next]);
     }
 
     #[test]
     fn of_a_run_of_refused_commands_the_first_is_answered() {
         let mut order = begun(9);
-        assert!(order.refuses(11));
-        assert!(!order.refuses(12));
-        assert!(!order.refuses(14));
-        // The host went back, and 10 was lost again.
-        assert!(order.refuses(11));
-        assert!(!order.refuses(12));
-        // It asks with its newest one.
-        assert!(order.refuses(12));
+        // The host goes back, and 10 is lost again; then it asks with its newest one.
+        let numbers = [11, 12, 14, 11, 12, 12];
+        assert_eq!(numbers.map(|number| order.refuses(number)), [true, false, false, true, false, true]);
         order.taken();
         assert!(order.refuses(12));
         order.close();

@@ -2,6 +2,7 @@
 
 use zerocopy::{FromBytes, Immutable};
 
+use crate::bytes::wrap;
 use crate::gx::{AXES, Lost, MASK_AXES, Numbered, Vector};
 
 /// A queued move.
@@ -32,7 +33,7 @@ pub(super) struct Queue<const SIZE: usize> {
     /// The check of the move whose end was reported last in this session, and [`REPORTED`]; 0: there was none.
     reported: u8,
     /// Where the last of them leads to; the mask flags the axes whose place is known.
-    last: Vector,
+    pub(super) last: Vector,
     moves: [Queued; SIZE],
 }
 
@@ -43,10 +44,6 @@ impl<const SIZE: usize> Queue<SIZE> {
     pub(super) const fn new() -> Self {
         const NONE: Queued = Queued { target: Vector::new(), number: Numbered::NONE, check: 0 };
         Self { moves: [NONE; SIZE], last: Vector::new(), head: 0, count: 0, begun: 0, done: 0, named: 0, reported: 0 }
-    }
-
-    pub(super) const fn has_room(&self) -> bool {
-        self.count < Self::CAPACITY
     }
 
     /// How many moves have not ended.
@@ -138,11 +135,6 @@ impl<const SIZE: usize> Queue<SIZE> {
         Self::CAPACITY.saturating_sub(self.count)
     }
 
-    /// The velocity that is in force behind all moves.
-    pub(super) const fn velocity(&self) -> u16 {
-        self.last.velocity
-    }
-
     /// No ends are reported any more of the moves that are queued by now.
     pub(super) fn begin_session(&mut self) {
         (self.named, self.reported) = (0, 0);
@@ -192,8 +184,7 @@ impl<const SIZE: usize> Queue<SIZE> {
     }
 
     fn place(&self, index: u8) -> usize {
-        let place = usize::from(self.head).wrapping_add(usize::from(index));
-        if place < SIZE { place } else { place.wrapping_sub(SIZE) }
+        wrap::<SIZE>(usize::from(self.head).wrapping_add(index.into()))
     }
 
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]

@@ -15,19 +15,15 @@ pub(super) struct Reports {
     /// A [`Format`]; 0: nothing was ever asked for.
     format: u8,
     /// One is due now.
-    due: u8,
+    pub(super) due: u8,
     /// The status is due now.
-    status_due: u8,
+    pub(super) status_due: u8,
     /// In milliseconds; 0: none are wanted.
-    period: u16,
-    sent_at: u32,
+    pub(super) period: u16,
+    pub(super) sent_at: u32,
 }
 
 impl Reports {
-    pub(super) const fn new() -> Self {
-        Self { sent_at: 0, period: 0, format: 0, due: 0, status_due: 0 }
-    }
-
     /// A host asks for reports.
     pub(super) fn switch(&mut self, period: u16, format: Format) {
         self.period = period;
@@ -49,18 +45,6 @@ impl Reports {
         self.status_due = wants_status as u8;
     }
 
-    pub(super) const fn period(&self) -> u16 {
-        self.period
-    }
-
-    pub(super) const fn takes_status(&self) -> bool {
-        self.status_due != 0
-    }
-
-    pub(super) const fn status_sent(&mut self) {
-        self.status_due = 0;
-    }
-
     /// How long until one is due, or [`NEVER`].
     pub(super) fn left(&self, now: u32) -> u32 {
         if self.due != 0 {
@@ -77,16 +61,7 @@ impl Reports {
         self.due != 0 || self.period != 0
     }
 
-    pub(super) fn is_due(&self, now: u32) -> bool {
-        self.left(now) == 0
-    }
-
     pub(super) fn format(&self) -> Format {
         if self.format == Format::Ascii as u8 { Format::Ascii } else { Format::Binary }
-    }
-
-    pub(super) fn sent(&mut self, now: u32) {
-        self.due = 0;
-        self.sent_at = now;
     }
 }

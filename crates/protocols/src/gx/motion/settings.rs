@@ -8,29 +8,21 @@ use crate::gx::MASK_AXES;
 #[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
 #[repr(C)]
 pub struct Settings {
-    /// Mask of the axes that the machine has, bit 0 being x: commands for others are refused, and position reports
-    /// leave them out. By default all six.
+    /// The axes there are, bit 0 being x: commands for others are refused, and none reported. By default all six.
     pub axes: u8,
-    /// Not 0: moves are taken in a session only, numbered in order; before one has begun, those with a number are
-    /// refused, and those without always. For a motion side that only hosts with sessions drive: one that was switched
-    /// off and on, or reset, while its host did not notice, takes nothing then that the host takes for the rest of the
-    /// session. By default moves are taken with any number, or none, until a host begins a session.
+    /// Not 0: moves are taken in sessions only, for a machine that only hosts with sessions drive: when it was switched
+    /// off and on, or reset, it takes nothing from a host that did not notice, for the rest of the session. By default
+    /// moves are taken with any number, or none, until a host begins a session.
     pub only_in_order: u8,
-    /// An incomplete command is given up, with an error notice, when the line was quiet for this many milliseconds; by
-    /// default 1000, as somebody may be typing.
+    /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000, as
+    /// somebody may be typing.
     pub gap_ms: u32,
-    /// The machine is to stop when nothing has come for this many milliseconds while there are moves to carry out; a
-    /// host has to send something more often then, if only a status query. 0: it is not.
+    /// The machine is to stop when nothing, not even a status query, has come for this many milliseconds while there are
+    /// moves to carry out. 0: it is not.
     pub host_ms: u32,
 }
 
 impl Settings {
-    /// All of them at their defaults.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { gap_ms: 0, axes: 0, only_in_order: 0, host_ms: 0 }
-    }
-
     /// The axes that there are, as a mask.
     pub(super) const fn axes(&self) -> u8 {
         match self.axes & MASK_AXES {
@@ -55,24 +47,14 @@ pub struct Health {
     pub reports: u32,
 }
 
-impl Health {
-    /// Nothing counted yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { moves: 0, repeats: 0, refused: 0, malformed: 0, reports: 0 }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::Settings;
 
     #[test]
     fn zero_is_the_default() {
-        let settings = Settings::new();
-        assert_eq!(settings.axes(), 0x3F);
-        let settings = Settings { gap_ms: 20, axes: 0x43, only_in_order: 0, host_ms: 0 };
-        assert_eq!(settings.axes(), 3);
-        assert_eq!(Settings { axes: 0x40, ..settings }.axes(), 0x3F);
+        for (axes, there_are) in [(0, 0x3F), (0x43, 3), (0x40, 0x3F)] {
+            assert_eq!(Settings { axes, ..Settings::default() }.axes(), there_are);
+        }
     }
 }
