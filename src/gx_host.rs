@@ -180,18 +180,30 @@ pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings
     let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(from) = settings {
+    if let Some(settings) = settings {
+        let Settings {
+            answer_ms,
+            probe_ms,
+            move_ms,
+            gap_ms,
+            attempts,
+            window,
+            ascii,
+            first_number,
+            absolute_every,
+            echo,
+        } = *settings;
         host.set(host::Settings {
-            answer_ms: duration(from.answer_ms),
-            probe_ms: duration(from.probe_ms),
-            move_ms: duration(from.move_ms),
-            gap_ms: duration(from.gap_ms),
-            attempts: short(from.attempts),
-            window: u8::try_from(from.window).unwrap_or_default(),
-            ascii: u8::from(from.ascii != 0),
-            first_number: u16::try_from(from.first_number).unwrap_or_default(),
-            absolute_every: u8::try_from(from.absolute_every).unwrap_or_default(),
-            echo: u8::from(from.echo != 0),
+            answer_ms: duration(answer_ms),
+            probe_ms: duration(probe_ms),
+            move_ms: duration(move_ms),
+            gap_ms: duration(gap_ms),
+            attempts: short(attempts),
+            window: u8::try_from(window).unwrap_or_default(),
+            ascii: u8::from(ascii != 0),
+            first_number: u16::try_from(first_number).unwrap_or_default(),
+            absolute_every: u8::try_from(absolute_every).unwrap_or_default(),
+            echo: u8::from(echo != 0),
         });
     }
     GX_RC_SUCCESS
