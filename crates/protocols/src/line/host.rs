@@ -52,7 +52,7 @@
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};
 //!
-//! let mut host = Host::<256, 9, 16>::new(Settings::new());
+//! let mut host = Host::<256, 9, 16>::new(Settings::default());
 //! let handle = host.send(b"c=setswitch&state=1", b"9o5qzg").unwrap();
 //! let mut line = [0; 64];
 //! let length = host.output(&mut line, 64, 0);
@@ -67,31 +67,28 @@
 mod counter;
 mod estimator;
 mod event;
-mod health;
 mod incoming;
 mod output;
 mod queue;
 mod settings;
-mod setup_again;
 mod slot;
 mod table;
 mod timers;
 
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, FromZeros};
 
 use super::encoder::COMMAND_MAX;
 use super::message::Message;
 use super::receiver::{Received, Receiver};
-use crate::session::{Flags, count};
+use crate::session::{Flags, RoundTrips, count};
 use counter::Counter;
 use estimator::Estimator;
 use event::Pending;
 pub use event::{Dropped, Event, Outcome};
-pub use health::Health;
 pub use queue::QueueError;
+use queue::Wanted;
 use settings::SetupFields;
 pub use settings::{Link, Settings};
-use setup_again::Wanted;
 use slot::Slot;
 use table::Devices;
 pub use table::{Device, ID_MAX, Listed, NAME_MAX, TYPE_MAX, VERSION_MAX};
@@ -128,9 +125,6 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     acked: u16,
     concerned: u16,
     pending: Flags<Pending>,
-    /// How and where the device that has signed in is listed.
-    listed: u8,
-    listed_at: u8,
     /// Number of messages lost.
     lost: u8,
     /// Not 0: the line in the receiver was handled; its events may be pending.
@@ -145,39 +139,39 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     devices: Devices<DEVICES>,
 }
 
+/// Counters of a host session since it began; they wrap.
+#[derive(Clone, Debug, Default, FromBytes)]
+pub struct Health {
+    /// Lines received that can be read.
+    pub lines: u32,
+    /// Of these, acks, answers and refusals that nothing was waiting for.
+    pub strays: u32,
+    /// Lines that can't be read.
+    pub malformed: u32,
+    /// Lines that were too long.
+    pub overlong: u32,
+    /// Messages that the device has sent, as the gaps in their numbers show, and that were not received.
+    pub lost: u32,
+    /// Errors that the device has reported.
+    pub errors: u32,
+    /// Times that the device restarted.
+    pub restarts: u32,
+    /// Calls of `Host::receive` that did not take all bytes, because events were to be fetched first.
+    pub overflows: u32,
+    /// Acks and answers that did not come in time.
+    pub timeouts: u32,
+    /// Commands that were retransmitted, because of that or because the device has asked for it.
+    pub repeats: u32,
+    /// Round trips: from a command that was sent once to what came back first.
+    pub round_trips: RoundTrips,
+}
+
 impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WINDOW, DEVICES> {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: Settings) -> Self {
-        const { assert!(1 < WINDOW && WINDOW <= 65) }
-        let session = Session {
-            settings,
-            health: Health::new(),
-            heard_at: 0,
-            fetched_at: 0,
-            backlog: 0,
-            acks: Estimator::new(),
-            answers: Estimator::new(),
-            link: Link::new(),
-            order: 0,
-            handle: 0,
-            asked: 0,
-            lines: 0,
-            acked: 0,
-            concerned: 0,
-            pending: Flags::new(),
-            listed: 0,
-            listed_at: 0,
-            lost: 0,
-            handled: 0,
-            partial: 0,
-            own_setup: 0,
-            wanted: Wanted::new(),
-            counter: Counter::new(),
-            slots: [const { Slot::new() }; WINDOW],
-            devices: Devices::new(),
-        };
-        Self { receiver: Receiver::new(), session }
+    pub fn new(settings: Settings) -> Self {
+        const { assert!(1 < WINDOW && WINDOW <= 65 && DEVICES <= 255) }
+        Self { receiver: Receiver::new(), session: Session { settings, ..Session::new_zeroed() } }
     }
 
     /// Replaces the settings. For a session that has just begun.
@@ -210,7 +204,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
         if session.handled != 0 && session.pending.is_empty() {
             self.receiver.release();
         }
-        if self.receiver.received() == Received::Nothing {
+        if !self.receiver.has_ended() {
             session.heard_at = now;
             session.handled = 0;
         }
@@ -225,13 +219,10 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// The next event; `None` when nothing has happened.
     pub fn poll(&mut self, now: u32) -> Option<Event<'_>> {
         let Self { receiver, session } = self;
-        let mut happened = session.next_event();
-        if happened.is_none() && session.handled == 0 && receiver.received() != Received::Nothing {
-            session.handled = 1;
+        if session.pending.is_empty() && session.handled == 0 {
             session.handle(receiver.received(), now);
-            happened = session.next_event();
         }
-        if happened.is_none() {
+        if session.pending.is_empty() {
             if session.handled != 0 {
                 receiver.release();
             }
@@ -240,10 +231,9 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
                 session.on_timer(now);
             }
             session.partial = 0;
-            happened = session.next_event();
         }
         let line = if let Received::Line(line) = receiver.received() { line } else { &[] };
-        session.event(happened?, line)
+        session.next_event(line)
     }
 
     /// Writes the next line to send, if it fits in that room, and returns its length; 0 when there is none. To be
@@ -257,19 +247,11 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// when there are no events and no lines left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let unhandled = self.session.handled == 0 && self.receiver.received() != Received::Nothing;
+        let unhandled = self.session.handled == 0 && self.receiver.has_ended();
         if unhandled || !self.session.pending.is_empty() {
             return Some(0);
         }
         self.session.next_deadline(now)
-    }
-}
-
-impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
-    /// How many commands may be unanswered.
-    fn window(&self) -> u32 {
-        let most = u32::try_from(WINDOW.saturating_sub(1)).unwrap_or_default();
-        u32::from(self.link.windowsize()).min(most)
     }
 }
 
@@ -285,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_line_came_when_it_was_taken() {
-        let mut host = Host::new(Settings::new());
+        let mut host = Host::new(Settings::default());
         host.send(b"c=set", b"x").unwrap();
         host.output(&mut [0; COMMAND_MAX], COMMAND_MAX, 20);
         host.receive(b"c=set_resp&id=x\n", 30);
@@ -296,7 +278,7 @@ mod tests {
 
     /// All that a session reports and sends when these bytes come in pieces.
     fn told(pieces: &[&[u8]]) -> Vec<String> {
-        let mut host = Host::new(Settings { recognises: 1, ..Settings::new() });
+        let mut host = Host::new(Settings { recognises: 1, ..Settings::default() });
         let mut told = Vec::new();
         for command in [&b"c=set&n=1"[..], b"c=set&n=2", b"c=linksetup&ack=on"] {
             host.send(command, b"x").unwrap();

@@ -1,7 +1,7 @@
 //! What a line from the device means.
 
 use super::event::Pending;
-use super::setup_again::OWN_HANDLE;
+use super::queue::OWN_HANDLE;
 use super::{Link, Message, Outcome, Session, Slot};
 use crate::line::device::Fault;
 use crate::line::message::same;
@@ -11,6 +11,7 @@ use crate::session::count;
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// Handles what was received.
     pub(super) fn handle(&mut self, received: Received<'_>, now: u32) {
+        self.handled = u8::from(received != Received::Nothing);
         match received {
             Received::Nothing => (),
             Received::TooLong => {
@@ -86,14 +87,14 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // A damaged name is no `null`.
         let null = written.map_or(!self.link.checks(), |written| written.is(b"null"));
         let found = self.slots.iter_mut().find(|slot| {
-            let right = sum.map_or(null, |sum| sum == slot.sum());
-            slot.is_out() && t == Some(slot.t()) && slot.is_of(id) && right
+            let right = sum.map_or(null, |sum| sum == slot.sum);
+            slot.is_out() && t == Some(slot.t) && slot.is_of(id) && right
         });
         let Some(slot) = found else {
             count(&mut self.health.strays);
             return;
         };
-        self.acked = slot.handle();
+        self.acked = slot.handle;
         if !slot.is_linksetup() {
             // The device may have its acks and checksums set by somebody else, or none.
             let mut link = self.link;
@@ -105,15 +106,15 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             }
         }
         if slot.acknowledge() {
-            if slot.handle() != OWN_HANDLE {
-                self.concerned = slot.handle();
+            if slot.handle != OWN_HANDLE {
+                self.concerned = slot.handle;
                 self.pending.set(Pending::Acked);
             }
-            if slot.sent() == 1 {
-                self.health.round_trips.add(slot.elapsed(heard_at));
+            if slot.transmission.sent() == 1 {
+                self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 self.acks.add(slot.waited(heard_at));
             }
-            let handle = slot.handle();
+            let handle = slot.handle;
             self.heard_of(handle);
         }
     }
@@ -140,13 +141,13 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         });
         let found = slot.is_some();
         if let Some(slot) = slot {
-            if slot.sent() == 1 {
+            if slot.transmission.sent() == 1 {
                 if !slot.is_acked() {
-                    self.health.round_trips.add(slot.elapsed(heard_at));
+                    self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 }
                 self.answers.add(slot.waited(heard_at));
             }
-            let handle = slot.handle();
+            let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, Outcome::Answered);
         } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
@@ -181,17 +182,17 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let (t, id) = (only(message, b"t").and_then(Value::byte), only(message, b"id"));
         let link = self.link;
         let found = self.slots.iter_mut().find(|slot| {
-            let directly = slot.handle() == acked || !link.acks() || slot.is_linksetup();
-            slot.is_out() && directly && t == Some(slot.t()) && slot.is_of(id)
+            let directly = slot.handle == acked || !link.acks() || slot.is_linksetup();
+            slot.is_out() && directly && t == Some(slot.t) && slot.is_of(id)
         });
         let Some(slot) = found else {
             count(&mut self.health.strays);
             return;
         };
-        self.concerned = slot.handle();
+        self.concerned = slot.handle;
         // What was refused may be a damaged repeat of what was executed.
-        if slot.sent() == 1 || link.checks() {
-            let handle = slot.handle();
+        if slot.transmission.sent() == 1 || link.checks() {
+            let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, outcome);
         }
@@ -208,31 +209,26 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }) else {
             return;
         };
-        self.concerned = slot.handle();
+        self.concerned = slot.handle;
         if by_checksum && !link.checks() && !slot.is_summed() {
             self.link.set_checks(true);
             self.pending.set(Pending::Linksetup);
         }
         if slot.is_waiting() {
-            let handle = slot.handle();
+            let handle = slot.handle;
             // A line that falls apart is reported more than once, and of several commands it is not known which was
             // damaged: a device that does not recognise repeats would execute one twice.
-            let certain = self.settings.recognises != 0 || out == 1 && slot.sent() == 1;
+            let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent() == 1;
             self.retransmit_now(handle, certain, now);
         }
     }
 
     fn welcome(&mut self, message: &Message<'_>) {
-        let (listed, restarted) = self.devices.welcome(message);
-        self.set_listed(listed);
         self.pending.set(Pending::Welcome);
-        if restarted {
-            self.restarted();
+        if !self.devices.welcome(message) {
+            return;
         }
-    }
-
-    /// The device has restarted: it knows nothing of what was before.
-    fn restarted(&mut self) {
+        // It has restarted, and knows nothing of what was before.
         count(&mut self.health.restarts);
         self.counter.restart();
         self.asked = if self.own_setup == 0 { 1 } else { self.asked };

@@ -11,20 +11,23 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // Each command once, until there is one to send.
         for _ in 0..WINDOW {
             let Some(slot) = self.next_to_send().and_then(|index| self.slots.get_mut(index)) else { break };
-            let (first, handle) = (slot.is_queued(), slot.handle());
-            if !first && !slot.is_linksetup() && !slot.is_recent(now, self.settings.repeat(), self.counter.advanced()) {
+            let (first, handle) = (slot.is_queued(), slot.handle);
+            if !first && !slot.is_linksetup() && !slot.is_recent(now, self.settings.repeat(), self.counter.advanced) {
                 // It had to wait for others until the device may have forgotten it.
                 self.end(handle, Outcome::TimedOut);
                 continue;
             }
-            let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t()) };
+            let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t) };
             let Some(t) = t else {
                 slot.end(Outcome::TooLong);
                 self.pending.set(Pending::Ended);
                 continue;
             };
             // A host that starts, or a device that does, has to find out about checksums.
-            let flip = !first && slot.is_linksetup() && slot.sent() % 2 == 1 && slot.fits(!checksum);
+            let flip = !first
+                && slot.is_linksetup()
+                && slot.transmission.sent() % 2 == 1
+                && slot.sum_with(slot.t, !checksum).is_some();
             let checksum = checksum != flip;
             let Some(length) = slot.write(t, checksum, line) else {
                 slot.skip_retransmission(now);
@@ -36,7 +39,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             if first {
                 let sum = slot.sum_with(t, checksum).unwrap_or_default();
                 self.counter.sends(t, sum);
-                slot.start(t, sum, self.counter.advanced(), now);
+                slot.start(t, sum, self.counter.advanced, now);
                 if slot.is_linksetup()
                     && let Some(windowsize) = slot.asks_for().and_then(|asked| asked.windowsize)
                 {
@@ -69,8 +72,9 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 
     /// Whether a queued command's turn has come.
     fn may_leave(&self, slot: &Slot) -> bool {
-        // Those before it.
+        let most = u32::try_from(WINDOW.saturating_sub(1)).unwrap_or_default();
         slot.is_queued()
+            // Those before it.
             && self.slots.iter().all(|other| {
                 let ahead = other.age(self.order) > slot.age(self.order);
                 let bars = other.is_queued()
@@ -78,7 +82,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                     || slot.is_linksetup()
                     // Without acks only the answer says which of them was executed.
                     || !self.link.acks() && other.is_like(slot)
-                    || self.behind(other, slot) >= self.window();
+                    || self.behind(other, slot) >= u32::from(self.link.windowsize()).min(most);
                 !(ahead && other.is_going_on() && bars)
             })
     }
@@ -89,6 +93,6 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let is_older = |other: &&Slot| other.is_out() && other.age(self.order) > slot.age(self.order);
         let older = self.slots.iter().filter(is_older).count();
         let older = u32::try_from(older).unwrap_or(u32::MAX);
-        slot.age(new.order()).saturating_add(slot.overtaken()).saturating_add(older)
+        slot.age(new.order).saturating_add(slot.overtaken.into()).saturating_add(older)
     }
 }

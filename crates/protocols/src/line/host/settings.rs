@@ -26,12 +26,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The default.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { timeout_ms: 0, answer_ms: 0, repeat_ms: 0, repeats: 0, recognises: 0, baud: 0, receive_room: 0 }
-    }
-
     pub(super) fn timeout(&self) -> u32 {
         span(self.timeout_ms, 500)
     }
@@ -72,10 +66,6 @@ pub struct Link {
 }
 
 impl Link {
-    pub(super) const fn new() -> Self {
-        Self { ack: 0, checksum: 0, windowsize: 0 }
-    }
-
     /// Whether the device acknowledges commands.
     #[must_use]
     pub const fn acks(&self) -> bool {
@@ -157,7 +147,7 @@ mod tests {
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut settings = Settings::new();
+        let mut settings = Settings::default();
         assert_eq!((settings.timeout(), settings.answer(), settings.repeat()), (500, 500, 4000));
         assert_eq!(settings.repeats(), 3);
         (settings.timeout_ms, settings.repeats) = (u32::MAX, 1000);

@@ -4,7 +4,7 @@ mod text;
 
 use zerocopy::FromBytes;
 
-use super::{Outcome, QueueError};
+use super::Outcome;
 use crate::session::{Transmission, left};
 
 /// Bytes that a command's text and its id take together at most, when `&t=`, two digits, `&id=` and LF are to fit too.
@@ -15,28 +15,28 @@ const TEXT_MAX: usize = 54;
 pub(super) struct Slot {
     /// When it was sent first.
     first_at: u32,
-    transmission: Transmission,
+    pub(super) transmission: Transmission,
     /// When it began to wait for what comes next: when its line was fetched, or an older command was heard of.
     since: u32,
     /// How long from then on its line was not on the wire yet.
     delay: u32,
     /// Its place in the order in which commands are queued.
-    order: u32,
+    pub(super) order: u32,
     /// Places of its first and last line in the order in which lines are sent.
-    first_line: u32,
-    last_line: u32,
+    pub(super) first_line: u32,
+    pub(super) last_line: u32,
     /// By how much the counter had advanced when it was sent first.
     mark: u32,
     /// What the caller knows it by.
-    handle: u16,
+    pub(super) handle: u16,
     /// Checksum of the line.
-    sum: u16,
+    pub(super) sum: u16,
     /// How far it is.
     stage: u8,
     /// How it ended.
     outcome: u8,
     /// The line's number.
-    t: u8,
+    pub(super) t: u8,
     /// Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
     flags: u8,
     /// Bytes of the line that was sent last.
@@ -45,7 +45,7 @@ pub(super) struct Slot {
     command_length: u8,
     id_length: u8,
     /// Number of older commands that have ended, and may have been executed after it.
-    overtaken: u8,
+    pub(super) overtaken: u8,
     /// The command as the caller built it, and behind that the id, encoded.
     text: [u8; TEXT_MAX],
 }
@@ -69,65 +69,34 @@ const LINKSETUP: u8 = 2;
 const SUMMED: u8 = 4;
 
 impl Slot {
-    pub(super) const fn new() -> Self {
-        Self {
-            first_at: 0,
-            transmission: Transmission::new(),
-            since: 0,
-            delay: 0,
-            order: 0,
-            first_line: 0,
-            last_line: 0,
-            mark: 0,
-            handle: 0,
-            sum: 0,
-            stage: FREE,
-            outcome: 0,
-            t: 0,
-            flags: 0,
-            length: 0,
-            command_length: 0,
-            id_length: 0,
-            overtaken: 0,
-            text: [0; TEXT_MAX],
-        }
-    }
-
-    const fn stage(&self) -> u8 {
-        match self.stage {
-            stage @ QUEUED..=ENDED => stage,
-            _ => FREE,
-        }
-    }
-
     pub(super) const fn is_free(&self) -> bool {
-        self.stage() == FREE
+        !matches!(self.stage, QUEUED..=ENDED)
     }
 
     pub(super) const fn is_queued(&self) -> bool {
-        self.stage() == QUEUED
+        self.stage == QUEUED
     }
 
     pub(super) const fn is_due(&self) -> bool {
-        self.stage() == DUE
+        self.stage == DUE
     }
 
     pub(super) const fn is_waiting(&self) -> bool {
-        self.stage() == SENT
+        self.stage == SENT
     }
 
     /// It was sent, and has not ended.
     pub(super) const fn is_out(&self) -> bool {
-        matches!(self.stage(), DUE | SENT)
+        matches!(self.stage, DUE | SENT)
     }
 
     /// It has not ended.
     pub(super) const fn is_going_on(&self) -> bool {
-        matches!(self.stage(), QUEUED..=SENT)
+        matches!(self.stage, QUEUED..=SENT)
     }
 
     pub(super) const fn has_ended(&self) -> bool {
-        self.stage() == ENDED
+        self.stage == ENDED
     }
 
     pub(super) const fn is_acked(&self) -> bool {
@@ -142,47 +111,9 @@ impl Slot {
         self.flags & SUMMED != 0
     }
 
-    pub(super) const fn handle(&self) -> u16 {
-        self.handle
-    }
-
-    pub(super) const fn sum(&self) -> u16 {
-        self.sum
-    }
-
-    pub(super) const fn sent(&self) -> u8 {
-        self.transmission.sent()
-    }
-
     /// How many commands were queued since, up to that one.
     pub(super) const fn age(&self, order: u32) -> u32 {
         order.wrapping_sub(self.order)
-    }
-
-    pub(super) const fn order(&self) -> u32 {
-        self.order
-    }
-
-    /// Takes a command in, if there is none: on errors there is none still.
-    pub(super) fn queue(
-        &mut self,
-        command: &[u8],
-        id: &[u8],
-        checksum: bool,
-        order: u32,
-        handle: u16,
-    ) -> Result<(), QueueError> {
-        self.set_text(command, id, checksum)?;
-        self.stage = QUEUED;
-        self.transmission.restart();
-        self.overtaken = 0;
-        self.order = order;
-        self.handle = handle;
-        Ok(())
-    }
-
-    pub(super) const fn t(&self) -> u8 {
-        self.t
     }
 
     /// It leaves for the first time.
@@ -197,7 +128,7 @@ impl Slot {
 
     /// It was sent, as the line of that place in the order of all, and will have left after `delay`.
     pub(super) fn sent_as(&mut self, checksum: bool, line: u32, length: usize, now: u32, delay: u32) {
-        if self.sent() == 0 {
+        if self.transmission.sent() == 0 {
             self.first_line = line;
         }
         self.last_line = line;
@@ -213,16 +144,6 @@ impl Slot {
         self.stage = SENT;
         self.transmission.send(now);
         (self.since, self.delay) = (now, 0);
-    }
-
-    /// Places of its first line and its last.
-    pub(super) const fn lines(&self) -> (u32, u32) {
-        (self.first_line, self.last_line)
-    }
-
-    /// Number of older commands that have ended, and may have been executed after it.
-    pub(super) fn overtaken(&self) -> u32 {
-        self.overtaken.into()
     }
 
     /// An older command has ended, of which that was the last of so many lines. If it was sent once more behind this
@@ -282,10 +203,5 @@ impl Slot {
     pub(super) fn is_recent(&self, now: u32, span: u32, advanced: u32) -> bool {
         let within = left(now, self.first_at, span.saturating_add(1)) > 0;
         within && advanced.wrapping_sub(self.mark) < 128
-    }
-
-    /// How long after it was sent last that was.
-    pub(super) const fn elapsed(&self, at: u32) -> u32 {
-        self.transmission.elapsed(at)
     }
 }

@@ -37,19 +37,6 @@ pub struct Device {
     pub cut: u8,
 }
 
-impl Device {
-    const fn new() -> Self {
-        Self {
-            id: [0; ID_SIZE],
-            r#type: [0; TYPE_SIZE],
-            name: [0; NAME_SIZE],
-            version: [0; VERSION_SIZE],
-            pos: 0,
-            cut: 0,
-        }
-    }
-}
-
 /// The devices of a session, `DEVICES` at most.
 #[derive(Clone, Debug, FromBytes)]
 pub(super) struct Devices<const DEVICES: usize> {
@@ -75,27 +62,21 @@ pub enum Listed {
 }
 
 impl<const DEVICES: usize> Devices<DEVICES> {
-    pub(super) const fn new() -> Self {
-        const { assert!(DEVICES <= 255) }
-        Self { device: [const { Device::new() }; DEVICES], signed_in: [0; DEVICES], count: 0 }
-    }
-
     pub(super) fn all(&self) -> &[Device] {
         self.device.get(..self.count.into()).unwrap_or(&self.device)
     }
 
-    /// A device signs in. Returns too whether it did so before, without any other sign of a restart: then this is one.
-    pub(super) fn welcome(&mut self, message: &Message<'_>) -> (Listed, bool) {
-        let mut id = [0; ID_SIZE];
-        let Some(told) = message.get(b"id").filter(|id| !id.is_empty()) else {
-            return (Listed::NoId, false);
-        };
-        if write(&mut id, Some(told)) {
-            return (Listed::IdTooLong, false);
-        }
-        let known = self.all().iter().position(|device| same_text(&device.id, &id));
+    /// A device signs in. Returns whether it did so before, without any other sign of a restart: then this is one.
+    pub(super) fn welcome(&mut self, message: &Message<'_>) -> bool {
+        let Ok((id, known)) = self.find(message) else { return false };
         let index = known.unwrap_or(self.all().len());
-        let Some(device) = self.device.get_mut(index) else { return (Listed::Full, false) };
+        let Some(device) = self.device.get_mut(index) else { return false };
+        device.id = id;
+        let mut cut = write(&mut device.r#type, message.get(b"type"));
+        cut |= write(&mut device.name, message.get(b"name"));
+        cut |= write(&mut device.version, message.get(b"version"));
+        device.cut = u8::from(cut);
+        device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
         if known.is_none() {
             self.count = u8::try_from(index.wrapping_add(1)).unwrap_or_default();
         }
@@ -107,15 +88,29 @@ impl<const DEVICES: usize> Devices<DEVICES> {
                 *signed_in = 0;
             }
         }
-        for (place, byte) in device.id.iter_mut().zip(id) {
-            *place = byte;
+        restarted
+    }
+
+    /// Whether and where the device is listed that has signed in by this line.
+    pub(super) fn listed(&self, message: &Message<'_>) -> Listed {
+        match self.find(message) {
+            Ok((_, Some(index))) => {
+                let cut = self.device.get(index).is_some_and(|device| device.cut != 0);
+                if cut { Listed::Cut(index) } else { Listed::Whole(index) }
+            }
+            Ok((_, None)) => Listed::Full,
+            Err(unlisted) => unlisted,
         }
-        let mut cut = write(&mut device.r#type, message.get(b"type"));
-        cut |= write(&mut device.name, message.get(b"name"));
-        cut |= write(&mut device.version, message.get(b"version"));
-        device.cut = u8::from(cut);
-        device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
-        (if cut { Listed::Cut(index) } else { Listed::Whole(index) }, restarted)
+    }
+
+    /// A device's id, and its place if it is in the table.
+    fn find(&self, message: &Message<'_>) -> Result<([u8; ID_SIZE], Option<usize>), Listed> {
+        let mut id = [0; ID_SIZE];
+        let told = message.get(b"id").filter(|id| !id.is_empty()).ok_or(Listed::NoId)?;
+        if write(&mut id, Some(told)) {
+            return Err(Listed::IdTooLong);
+        }
+        Ok((id, self.all().iter().position(|device| same_text(&device.id, &id))))
     }
 }
 
@@ -146,12 +141,15 @@ mod tests {
     use super::{Device, Listed, Message, TYPE_MAX};
     use std::format;
     use std::string::String;
+    use zerocopy::FromZeros;
 
     const DEVICES: usize = 16;
     type Devices = super::Devices<DEVICES>;
 
     fn welcome(devices: &mut Devices, line: &str) -> (Listed, bool) {
-        devices.welcome(&Message::parse(line.as_bytes()).unwrap())
+        let message = Message::parse(line.as_bytes()).unwrap();
+        let restarted = devices.welcome(&message);
+        (devices.listed(&message), restarted)
     }
 
     fn text(bytes: &[u8]) -> String {
@@ -166,7 +164,7 @@ mod tests {
 
     #[test]
     fn are_listed() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         let line = "c=welcome&id=M1F910&type=OzekiTemperatureController&pos=6&name=Heater%20Ext1&version=1.0.0";
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(0), false));
         let line = "c=welcome&type=Ozeki3DPrinterDisc&id=OZPDSC";
@@ -181,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_restart_is_seen_once() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         for round in 0..3 {
             for (place, id) in ["a", "b", "c"].into_iter().enumerate() {
                 let listed = (Listed::Whole(place), round > 0 && place == 0);
@@ -196,7 +194,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_told() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         let long = "x".repeat(TYPE_MAX + 1);
         assert_eq!(welcome(&mut devices, &format!("c=welcome&id=a&type={long}")), (Listed::Cut(0), false));
         assert_eq!(texts(&devices.all()[0])[1], long[1..]);

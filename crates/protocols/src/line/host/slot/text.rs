@@ -1,14 +1,21 @@
 //! A command's text, and the line that is made of it.
 
-use super::{LINKSETUP, Slot};
+use super::{LINKSETUP, QUEUED, Slot};
 use crate::line::encoder::{is_name, is_param_name};
 use crate::line::host::{Link, QueueError, SetupFields};
 use crate::line::message::same;
 use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
 
 impl Slot {
-    /// Keeps the text of a command. On errors it may be spoilt.
-    pub(super) fn set_text(&mut self, command: &[u8], id: &[u8], checksum: bool) -> Result<(), QueueError> {
+    /// Takes a command in, if there is none: on errors there is none still.
+    pub(in crate::line::host) fn queue(
+        &mut self,
+        command: &[u8],
+        id: &[u8],
+        checksum: bool,
+        order: u32,
+        handle: u16,
+    ) -> Result<(), QueueError> {
         let message = Message::parse(command).ok().filter(is_strict).ok_or(QueueError::Malformed)?;
         if id.is_empty() {
             return Err(QueueError::Malformed);
@@ -29,7 +36,12 @@ impl Slot {
         self.command_length = u8::try_from(command.len()).map_err(|_| QueueError::TooLong)?;
         self.id_length = u8::try_from(id.len()).map_err(|_| QueueError::TooLong)?;
         self.flags = if message.command().is(b"linksetup") { LINKSETUP } else { 0 };
-        self.write(99, checksum, &mut [0; COMMAND_MAX]).map(|_| ()).ok_or(QueueError::TooLong)
+        self.write(99, checksum, &mut [0; COMMAND_MAX]).ok_or(QueueError::TooLong)?;
+        self.stage = QUEUED;
+        self.transmission.restart();
+        self.overtaken = 0;
+        (self.order, self.handle) = (order, handle);
+        Ok(())
     }
 
     fn command(&self) -> &[u8] {
@@ -83,11 +95,6 @@ impl Slot {
         Some(fletcher16(line.get(..length.checked_sub(tail)?)?))
     }
 
-    /// Whether the line, which has a number, is short enough to have a checksum too.
-    pub(in crate::line::host) fn fits(&self, checksum: bool) -> bool {
-        self.sum_with(self.t, checksum).is_some()
-    }
-
     /// Writes the line with that number; its length, or `None` when it is too long.
     pub(in crate::line::host) fn write(&self, t: u8, checksum: bool, line: &mut [u8; COMMAND_MAX]) -> Option<usize> {
         let command = self.command();
@@ -114,9 +121,10 @@ fn is_strict(message: &Message<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::{COMMAND_MAX, QueueError, Slot};
+    use zerocopy::FromZeros;
 
     fn queued(command: &[u8], id: &[u8], checksum: bool) -> Result<Slot, QueueError> {
-        let mut slot = Slot::new();
+        let mut slot = Slot::new_zeroed();
         slot.queue(command, id, checksum, 1, 1)?;
         assert!(slot.is_queued());
         Ok(slot)
