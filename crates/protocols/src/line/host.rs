@@ -204,7 +204,7 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
         if session.handled != 0 && session.pending.is_empty() {
             self.receiver.release();
         }
-        if !self.receiver.has_ended() {
+        if self.receiver.received() == Received::Nothing {
             session.heard_at = now;
             session.handled = 0;
         }

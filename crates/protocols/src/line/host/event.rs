@@ -1,10 +1,12 @@
 //! The events of a session.
 
+use zerocopy::TryFromBytes;
+
 use super::{Link, Listed, Message, Session, Slot};
 use crate::session::flags;
 
 /// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
 #[repr(u8)]
 pub enum Outcome {
     /// The device has carried it out and answered.
@@ -18,18 +20,6 @@ pub enum Outcome {
     Restarted = 4,
     /// It was never sent: since it was queued, checksums came into force, with which it is too long.
     TooLong = 5,
-}
-
-impl Outcome {
-    pub(super) const fn of(stored: u8) -> Self {
-        match stored {
-            1 => Self::Answered,
-            2 => Self::Refused,
-            4 => Self::Restarted,
-            5 => Self::TooLong,
-            _ => Self::TimedOut,
-        }
-    }
 }
 
 /// Why a line was dropped.

@@ -2,7 +2,7 @@
 
 use super::event::Pending;
 use super::queue::OWN_HANDLE;
-use super::{Link, Message, Outcome, Session, Slot};
+use super::{Link, Message, Outcome, Session, SetupFields, Slot};
 use crate::line::device::Fault;
 use crate::line::message::same;
 use crate::line::{Received, Value};
@@ -34,23 +34,20 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         count(&mut self.health.lines);
         let name = message.command();
         if name.is(b"ack") {
-            self.acked(message);
-            return;
+            return self.acked(message);
         }
         // A refusal is trusted directly behind its command's ack alone.
         let acked = self.acked;
         self.acked = 0;
         if name.is(b"onerror") {
-            self.failed(message, acked, now);
-            return;
+            return self.failed(message, acked, now);
         }
         self.counted(message);
         if name.is(b"welcome") {
-            self.welcome(message);
-            return;
+            return self.welcome(message);
         }
         self.own_setup = 0;
-        let linksetup = Link::of(message);
+        let linksetup = SetupFields::of(message);
         if name.is(b"linksetup")
             && let Some(fields) = linksetup
         {
@@ -90,16 +87,13 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             let right = sum.map_or(null, |sum| sum == slot.sum);
             slot.is_out() && t == Some(slot.t) && slot.is_of(id) && right
         });
-        let Some(slot) = found else {
-            count(&mut self.health.strays);
-            return;
-        };
+        let Some(slot) = found else { return count(&mut self.health.strays) };
         self.acked = slot.handle;
         if !slot.is_linksetup() {
             // The device may have its acks and checksums set by somebody else, or none.
             let mut link = self.link;
-            link.set_acks(true);
-            link.set_checks(link.checks() && sum.is_some());
+            link.ack = 1;
+            link.checksum = u8::from(link.checks() && sum.is_some());
             if link != self.link {
                 self.link = link;
                 self.pending.set(Pending::Linksetup);
@@ -127,7 +121,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let needs_ack = self.link.acks() && !is_setup;
         // Some devices encode less than they should: without acks, what two lines that ran together look like is enough.
         let id = if needs_ack { only(message, b"id") } else { message.get(b"id").filter(|_| !is_joined(message)) };
-        let fields = if is_setup { Link::of(message) } else { None };
+        let fields = if is_setup { SetupFields::of(message) } else { None };
         let slot = Self::oldest(&mut self.slots, self.order, |slot| {
             let asked = if is_setup { slot.asks_for() } else { None };
             // Each thing that was asked for has to be answered legibly.
@@ -150,7 +144,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, Outcome::Answered);
-        } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
+        } else if is_named_like_an_answer(name) {
             count(&mut self.health.strays);
         }
         if let Some(fields) = fields.filter(|fields| found || fields.ack.is_some() && fields.checksum.is_some()) {
@@ -166,7 +160,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         self.pending.set(Pending::Error);
         self.concerned = 0;
         self.own_setup = 0;
-        let code = message.get(b"code").unwrap_or_default();
+        let code = message.text(b"code");
         let is = |fault: Fault| code.is(fault.code());
         let executed = is(Fault::TooLong);
         if executed || is(Fault::UnknownCommand) || is(Fault::UnknownId) || is(Fault::Refused) {
@@ -185,10 +179,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             let directly = slot.handle == acked || !link.acks() || slot.is_linksetup();
             slot.is_out() && directly && t == Some(slot.t) && slot.is_of(id)
         });
-        let Some(slot) = found else {
-            count(&mut self.health.strays);
-            return;
-        };
+        let Some(slot) = found else { return count(&mut self.health.strays) };
         self.concerned = slot.handle;
         // What was refused may be a damaged repeat of what was executed.
         if slot.transmission.sent() == 1 || link.checks() {
@@ -211,7 +202,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         };
         self.concerned = slot.handle;
         if by_checksum && !link.checks() && !slot.is_summed() {
-            self.link.set_checks(true);
+            self.link.checksum = 1;
             self.pending.set(Pending::Linksetup);
         }
         if slot.is_waiting() {
@@ -277,6 +268,6 @@ fn last<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
 }
 
 fn is_named_like_an_answer(name: Value<'_>) -> bool {
-    let length = name.bytes().count();
-    name.bytes().skip(length.saturating_sub(b"_resp".len())).eq(b"_resp".iter().copied())
+    let before = name.len().saturating_sub(b"_resp".len());
+    before > 0 && name.bytes().skip(before).eq(*b"_resp")
 }

@@ -58,11 +58,12 @@ impl Settings {
 
 /// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
 /// one command at a time (section "Link Setup command").
-#[derive(Clone, Copy, Debug, Default, FromBytes)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
 pub struct Link {
-    ack: u8,
-    checksum: u8,
-    windowsize: u16,
+    pub(super) ack: u8,
+    pub(super) checksum: u8,
+    /// Commands that may be unanswered besides one.
+    pub(super) more: u16,
 }
 
 impl Link {
@@ -81,25 +82,29 @@ impl Link {
     /// Number of commands that may be unanswered, 1 to 65535, as far as the device is concerned.
     #[must_use]
     pub const fn windowsize(&self) -> u16 {
-        if self.windowsize == 0 { 1 } else { self.windowsize }
+        self.more.saturating_add(1)
     }
 
-    pub(super) const fn set_acks(&mut self, ack: bool) {
-        self.ack = ack as u8;
+    /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
+    pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
+        self.ack = fields.ack.map_or(self.ack, u8::from);
+        self.checksum = fields.checksum.map_or(self.checksum, u8::from);
+        self.more = fields.windowsize.unwrap_or(1).min(most).saturating_sub(1);
     }
+}
 
-    pub(super) const fn set_checks(&mut self, checksum: bool) {
-        self.checksum = checksum as u8;
-    }
+/// What a line says about the link.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SetupFields {
+    pub(super) ack: Option<bool>,
+    pub(super) checksum: Option<bool>,
+    pub(super) windowsize: Option<u16>,
+}
 
-    pub(super) const fn set_windowsize(&mut self, windowsize: u16) {
-        self.windowsize = windowsize;
-    }
-
-    /// What a line `linksetup` or `linksetup_resp` says: each parameter that it has. `None` when one of them makes no
-    /// sense.
-    pub(super) fn of(message: &Message<'_>) -> Option<SetupFields> {
-        let mut fields = SetupFields { ack: None, checksum: None, windowsize: None };
+impl SetupFields {
+    /// What a line `linksetup` or `linksetup_resp` says; `None` when one of these parameters makes no sense.
+    pub(super) fn of(message: &Message<'_>) -> Option<Self> {
+        let mut fields = Self::default();
         if let Some(value) = message.get(b"ack") {
             fields.ack = Some(either(value.is(b"on"), value.is(b"off"))?);
         }
@@ -111,30 +116,6 @@ impl Link {
         }
         Some(fields)
     }
-
-    /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
-    pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
-        self.ack = fields.ack.map_or(self.ack, u8::from);
-        self.checksum = fields.checksum.map_or(self.checksum, u8::from);
-        self.windowsize = fields.windowsize.unwrap_or(1).min(most).max(1);
-    }
-}
-
-impl PartialEq for Link {
-    fn eq(&self, other: &Self) -> bool {
-        let of = |link: &Self| (link.acks(), link.checks(), link.windowsize());
-        of(self) == of(other)
-    }
-}
-
-impl Eq for Link {}
-
-/// What a line says about the link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SetupFields {
-    pub(super) ack: Option<bool>,
-    pub(super) checksum: Option<bool>,
-    pub(super) windowsize: Option<u16>,
 }
 
 fn either(yes: bool, no: bool) -> Option<bool> {
@@ -143,7 +124,7 @@ fn either(yes: bool, no: bool) -> Option<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Link, Message, Settings};
+    use super::{Link, Message, Settings, SetupFields};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
@@ -173,12 +154,12 @@ mod tests {
             (b"c=linksetup&windowsize=65536", (0, 0, 1), None),
         ] {
             let (ack, checksum, windowsize) = before;
-            let mut link = Link { ack, checksum, windowsize };
-            let fields = Link::of(&Message::parse(line).unwrap());
+            let mut link = Link { ack, checksum, more: windowsize - 1 };
+            let fields = SetupFields::of(&Message::parse(line).unwrap());
             if let Some(fields) = fields {
                 link.adopt(fields, 40000);
             }
-            assert_eq!(fields.map(|_| (link.ack, link.checksum, link.windowsize)), after);
+            assert_eq!(fields.map(|_| (link.ack, link.checksum, link.windowsize())), after);
         }
     }
 }

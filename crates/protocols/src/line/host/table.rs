@@ -14,23 +14,17 @@ pub const NAME_MAX: usize = 31;
 /// Longest version of a device.
 pub const VERSION_MAX: usize = 15;
 
-/// Bytes of an id and the zero behind it.
-const ID_SIZE: usize = ID_MAX + 1;
-const TYPE_SIZE: usize = TYPE_MAX + 1;
-const NAME_SIZE: usize = NAME_MAX + 1;
-const VERSION_SIZE: usize = VERSION_MAX + 1;
-
 /// A device. Its texts are decoded and end with a 0; those it did not give are empty.
 #[derive(Clone, Debug, FromBytes)]
 pub struct Device {
     /// What it is called in messages.
-    pub id: [u8; ID_SIZE],
+    pub id: [u8; ID_MAX + 1],
     /// What it is, e.g. `OzekiSwitchController`.
-    pub r#type: [u8; TYPE_SIZE],
+    pub r#type: [u8; TYPE_MAX + 1],
     /// What its user calls it.
-    pub name: [u8; NAME_SIZE],
+    pub name: [u8; NAME_MAX + 1],
     /// Its version.
-    pub version: [u8; VERSION_SIZE],
+    pub version: [u8; VERSION_MAX + 1],
     /// Its place among the devices behind the microcontroller; 0 when it did not give one.
     pub pos: i32,
     /// Not 0: its type, name or version is longer than there is room, and was cut off.
@@ -68,13 +62,14 @@ impl<const DEVICES: usize> Devices<DEVICES> {
 
     /// A device signs in. Returns whether it did so before, without any other sign of a restart: then this is one.
     pub(super) fn welcome(&mut self, message: &Message<'_>) -> bool {
-        let Ok((id, known)) = self.find(message) else { return false };
+        let Ok(id) = id_of(message) else { return false };
+        let known = self.find(id);
         let index = known.unwrap_or(self.all().len());
         let Some(device) = self.device.get_mut(index) else { return false };
-        device.id = id;
-        let mut cut = write(&mut device.r#type, message.get(b"type"));
-        cut |= write(&mut device.name, message.get(b"name"));
-        cut |= write(&mut device.version, message.get(b"version"));
+        let mut cut = write(&mut device.id, id);
+        cut |= write(&mut device.r#type, message.text(b"type"));
+        cut |= write(&mut device.name, message.text(b"name"));
+        cut |= write(&mut device.version, message.text(b"version"));
         device.cut = u8::from(cut);
         device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
         if known.is_none() {
@@ -93,31 +88,39 @@ impl<const DEVICES: usize> Devices<DEVICES> {
 
     /// Whether and where the device is listed that has signed in by this line.
     pub(super) fn listed(&self, message: &Message<'_>) -> Listed {
-        match self.find(message) {
-            Ok((_, Some(index))) => {
-                let cut = self.device.get(index).is_some_and(|device| device.cut != 0);
-                if cut { Listed::Cut(index) } else { Listed::Whole(index) }
-            }
-            Ok((_, None)) => Listed::Full,
-            Err(unlisted) => unlisted,
+        let id = match id_of(message) {
+            Ok(id) => id,
+            Err(unlisted) => return unlisted,
+        };
+        match self.find(id).and_then(|index| Some((index, self.device.get(index)?))) {
+            Some((index, Device { cut: 0, .. })) => Listed::Whole(index),
+            Some((index, _)) => Listed::Cut(index),
+            None => Listed::Full,
         }
     }
 
-    /// A device's id, and its place if it is in the table.
-    fn find(&self, message: &Message<'_>) -> Result<([u8; ID_SIZE], Option<usize>), Listed> {
-        let mut id = [0; ID_SIZE];
-        let told = message.get(b"id").filter(|id| !id.is_empty()).ok_or(Listed::NoId)?;
-        if write(&mut id, Some(told)) {
-            return Err(Listed::IdTooLong);
-        }
-        Ok((id, self.all().iter().position(|device| same_text(&device.id, &id))))
+    /// The place of the device of an id.
+    fn find(&self, id: Value<'_>) -> Option<usize> {
+        self.all().iter().position(|device| id.is(before_zero(&device.id)))
+    }
+}
+
+/// The id of a device that signs in, or why it can't be listed.
+fn id_of<'a>(message: &Message<'a>) -> Result<Value<'a>, Listed> {
+    let id = message.text(b"id");
+    if id.is_empty() {
+        Err(Listed::NoId)
+    } else if id.len() > ID_MAX || id.bytes().any(|byte| byte == 0) {
+        Err(Listed::IdTooLong)
+    } else {
+        Ok(id)
     }
 }
 
 /// Writes a text and zeros behind it, and returns whether that is not the whole text: for want of room, or as there is a
 /// zero in it.
-fn write(out: &mut [u8], value: Option<Value<'_>>) -> bool {
-    let mut text = value.unwrap_or_default().bytes();
+fn write(out: &mut [u8], value: Value<'_>) -> bool {
+    let mut text = value.bytes();
     let mut cut = false;
     if let Some((end, room)) = out.split_last_mut() {
         for place in room {
@@ -130,10 +133,9 @@ fn write(out: &mut [u8], value: Option<Value<'_>>) -> bool {
     cut || text.next().is_some()
 }
 
-/// Whether two texts are the same up to their first zero.
-fn same_text(one: &[u8], other: &[u8]) -> bool {
-    let text = |bytes: &'_ [u8]| bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-    one.iter().take(text(one)).eq(other.iter().take(text(other)))
+/// A text up to its first zero.
+fn before_zero(text: &[u8]) -> &[u8] {
+    text.split(|byte| *byte == 0).next().unwrap_or_default()
 }
 
 #[cfg(test)]
