@@ -62,8 +62,8 @@ impl Settings {
 pub struct Link {
     pub(super) ack: u8,
     pub(super) checksum: u8,
-    /// Commands that may be unanswered besides one.
-    pub(super) more: u16,
+    /// 0 stands for 1, which is never here.
+    pub(super) windowsize: u16,
 }
 
 impl Link {
@@ -82,14 +82,14 @@ impl Link {
     /// Number of commands that may be unanswered, 1 to 65535, as far as the device is concerned.
     #[must_use]
     pub const fn windowsize(&self) -> u16 {
-        self.more.saturating_add(1)
+        if self.windowsize == 0 { 1 } else { self.windowsize }
     }
 
     /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
     pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
         self.ack = fields.ack.map_or(self.ack, u8::from);
         self.checksum = fields.checksum.map_or(self.checksum, u8::from);
-        self.more = fields.windowsize.unwrap_or(1).min(most).saturating_sub(1);
+        self.windowsize = fields.windowsize.map(|size| size.min(most)).filter(|size| *size > 1).unwrap_or(0);
     }
 }
 
@@ -154,7 +154,7 @@ mod tests {
             (b"c=linksetup&windowsize=65536", (0, 0, 1), None),
         ] {
             let (ack, checksum, windowsize) = before;
-            let mut link = Link { ack, checksum, more: windowsize - 1 };
+            let mut link = Link { ack, checksum, windowsize };
             let fields = SetupFields::of(&Message::parse(line).unwrap());
             if let Some(fields) = fields {
                 link.adopt(fields, 40000);

@@ -103,7 +103,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             if acked {
                 self.link.adopt(setup, 1);
             }
-            self.link.more = 0;
+            self.link.windowsize = 0;
             self.ask_next();
         }
     }
