@@ -247,7 +247,7 @@ unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8
         let name = text_of(name);
         edit(encoder, &mut |line| match (name, value) {
             (Some(name), Some(value)) => put(line, name, value),
-            _ => line.abort(),
+            _ => line.fail(EncodeError::Aborted),
         })
     }
 }

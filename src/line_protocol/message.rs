@@ -88,15 +88,15 @@ pub unsafe extern "C" fn olp_find(
 /// A message as C sees it.
 pub(crate) fn view(message: &Message<'_>) -> LineMessage {
     LineMessage {
-        line: message.line().as_ptr().cast(),
-        length: int(message.line().len()),
-        count: int(message.len()),
-        checksum: match message.checksum() {
+        line: message.line.as_ptr().cast(),
+        length: int(message.line.len()),
+        count: int(message.count),
+        checksum: match message.checksum {
             Checksum::None => OLP_CHECKSUM_NONE,
             Checksum::Right => OLP_CHECKSUM_RIGHT,
             Checksum::Wrong => OLP_CHECKSUM_WRONG,
         },
-        sum: message.sum().into(),
+        sum: message.sum.into(),
     }
 }
 

@@ -122,7 +122,7 @@ impl Session for Sender {
                 Outcome::TimedOut => ("timed out", Status::TimedOut),
                 Outcome::Restarted => ("lost, as the device has restarted", Status::TimedOut),
             };
-            let answer = answer.map(|answer| String::from_utf8_lossy(answer.line()).into_owned());
+            let answer = answer.map(|answer| String::from_utf8_lossy(answer.line).into_owned());
             report.ended(&command, name, answer.as_deref(), json!({ "answer": answer }));
             return Some(status);
         }

@@ -140,8 +140,8 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     ///
     /// If it is not intact, what is wrong.
     pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
-        let sum = message.sum();
-        match message.checksum() {
+        let sum = message.sum;
+        match message.checksum {
             Checksum::Wrong => return Err(Fault::Checksum),
             Checksum::None if self.lines.setup.checks() => {
                 let again = self.refused_setup == sum;

@@ -33,4 +33,4 @@ pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
 pub use integer::{Integer, IntegerText};
 pub use message::{Checksum, Malformed, Message, Param, Params};
 pub use receiver::{Received, Receiver};
-pub use value::{Decoded, NumberError, TooLong, Value};
+pub use value::{Decoded, NumberError, Value};

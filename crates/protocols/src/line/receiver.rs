@@ -210,13 +210,8 @@ mod tests {
             bytes in prop::collection::vec(prop_oneof![Just(b'\n'), Just(b'\r'), Just(b'x'), any::<u8>()], 0..200),
             cuts in prop::collection::vec(1..9_usize, 200),
         ) {
-            let mut pieces = Vec::new();
             let mut rest = &bytes[..];
-            for cut in cuts {
-                let (piece, behind) = rest.split_at(cut.min(rest.len()));
-                pieces.push(piece);
-                rest = behind;
-            }
+            let pieces: Vec<_> = cuts.iter().filter_map(|cut| rest.split_off(..rest.len().min(*cut))).collect();
             prop_assert_eq!(lines::<8>(&[&bytes]), lines::<8>(&pieces));
         }
     }

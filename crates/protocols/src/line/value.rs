@@ -10,10 +10,6 @@ use crate::decimal;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Value<'a>(&'a [u8]);
 
-/// The room is too small; nothing was written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooLong;
-
 /// Why a value can't be read as a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberError {
@@ -70,20 +66,6 @@ impl<'a> Value<'a> {
             }
         }
         own.rest.is_empty()
-    }
-
-    /// Writes the decoded text to the beginning of `out` and returns its length.
-    ///
-    /// # Errors
-    ///
-    /// When it does not fit: then nothing is written.
-    pub fn decode(self, out: &mut [u8]) -> Result<usize, TooLong> {
-        let length = self.len();
-        let room = out.get_mut(..length).ok_or(TooLong)?;
-        for (place, byte) in room.iter_mut().zip(self.bytes()) {
-            *place = byte;
-        }
-        Ok(length)
     }
 
     /// Reads an integer: an optional sign and digits.
@@ -193,7 +175,7 @@ pub(super) const fn digit(byte: u8) -> Option<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::{NumberError, TooLong, Value};
+    use super::{NumberError, Value};
     use std::vec::Vec;
 
     fn value(raw: &str) -> Value<'_> {
@@ -218,15 +200,6 @@ mod tests {
             assert!(value.is(decoded));
             assert!(!value.is(&[decoded, b"x"].concat()));
             assert!(decoded.is_empty() || !value.is(&decoded[1..]) && !value.is(&decoded[..decoded.len() - 1]));
-            let mut out = [0x55; 8];
-            assert_eq!(value.decode(&mut out), Ok(decoded.len()));
-            assert_eq!(&out[..decoded.len()], decoded);
-            assert!(out[decoded.len()..].iter().all(|byte| *byte == 0x55));
-            if let Some(short) = decoded.len().checked_sub(1) {
-                let mut out = [0x55; 8];
-                assert_eq!(value.decode(&mut out[..short]), Err(TooLong));
-                assert_eq!(out, [0x55; 8]);
-            }
         }
     }
 

@@ -138,7 +138,7 @@ impl Slot {
         }
         let end = encoded.length();
         let id = room.get(b"&id=".len()..end).unwrap_or_default();
-        let command = message.line();
+        let command = message.line;
         let mut places = self.text.iter_mut();
         for byte in command.iter().chain(id) {
             *places.next().ok_or(QueueError::TooLong)? = *byte;
@@ -311,10 +311,10 @@ impl Slot {
 /// be otherwise, what is sent may not.
 fn is_strict(message: &Message<'_>) -> bool {
     // Nothing between two of them is no parameter.
-    let pieces = message.line().split(|byte| *byte == b'&').count();
+    let pieces = message.line.split(|byte| *byte == b'&').count();
     is_name(message.command().raw())
-        && message.line().iter().all(u8::is_ascii_graphic)
-        && pieces == message.len()
+        && message.line.iter().all(u8::is_ascii_graphic)
+        && pieces == message.count
         && message.params().all(|param| is_param_name(param.name) && !matches!(param.name, b"t" | b"id"))
 }
 
