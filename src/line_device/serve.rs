@@ -1,8 +1,8 @@
 //! What a call of `olp_device_poll` does.
 //!
-//! A device is ready here, its table what [`check`](super::table::check) found good, and no reference to it lives while
-//! one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and what was
-//! going on is over.
+//! What all functions here ask for: a device is ready, its table what [`check`](super::table::check) found good, and no
+//! reference to it lives while one of the firmware's functions runs. Such a function may restart the device: then
+//! `serving` is 0, and what was going on is over.
 
 use core::ffi::c_int;
 
@@ -17,10 +17,6 @@ use deltarobot_protocols::line::{Message, Received};
 use zerocopy::IntoBytes;
 
 /// Does the one thing that comes next.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -46,10 +42,6 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
 }
 
 /// Welcomes the next device.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn welcome(device: *mut State) {
     // SAFETY: as the contract of this function asks, and there is one.
     unsafe {
@@ -63,38 +55,28 @@ unsafe fn welcome(device: *mut State) {
 }
 
 /// Whether all devices were welcomed.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
     // SAFETY: as the contract of this function asks.
     unsafe { usize::from((*device).welcomed) >= usize::try_from((*(*device).table()).device_count).unwrap_or_default() }
 }
 
 /// Answers the line that was received, if there is one.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
     // received before.
     unsafe {
         let receiver = &raw const (*device).receiver;
-        let rc = match (*receiver).received() {
+        let message = match (*receiver).received() {
             Received::Nothing => return OLP_RC_NO_EVENT,
-            Received::TooLong => reject(device, Fault::Overflow),
-            Received::Line(line) => {
-                if let Ok(message) = &Message::parse(line) {
-                    if let Err(fault) = (*device).link.accept(message, now) {
-                        reject(device, fault)
-                    } else {
-                        answer(device, message)
-                    }
-                } else {
-                    reject(device, Fault::Malformed)
-                }
+            Received::TooLong => Err(Fault::Overflow),
+            Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
+        };
+        let accepted = message.and_then(|message| (*device).link.accept(&message, now).map(|()| message));
+        let rc = match accepted {
+            Ok(message) => answer(device, &message),
+            Err(fault) => {
+                send_link_line(device, LinkLine::Event(fault), first_id(device));
+                OLP_RC_SUCCESS
             }
         };
         if (*device).serving != 0 {
@@ -104,24 +86,7 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     }
 }
 
-/// Reports a line that is not an intact command.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        send_link_line(device, LinkLine::Event(fault), first_id(device));
-    }
-    OLP_RC_SUCCESS
-}
-
 /// Answers an intact command.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn answer(device: *mut State, message: &Message) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -156,20 +121,12 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
 }
 
 /// The first device's id: that of what nobody asked for.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn first_id(device: *const State) -> *const [u8] {
     // SAFETY: as the contract of this function asks: ids are strings.
     unsafe { text_of((*(*(*device).table()).devices).id).unwrap_or_default() }
 }
 
 /// Has a command executed, and answers it.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: *const [u8]) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
@@ -182,12 +139,8 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
-        let mut fault = None;
-        if refused {
-            fault = Some(Fault::Refused);
-        } else if answer.error != OLP_RC_SUCCESS {
-            fault = Some(Fault::TooLong);
-        }
+        let cannot_send = (answer.error != OLP_RC_SUCCESS).then_some(Fault::TooLong);
+        let fault = if refused { Some(Fault::Refused) } else { cannot_send };
         // A length below 0 is too long.
         let written = usize::try_from(answer.length).unwrap_or(usize::MAX);
         let (length, fault) = (*device).link.finish(written, fault, &*id);
@@ -202,10 +155,6 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
 }
 
 /// Writes and sends a line of the link itself.
-///
-/// # Safety
-///
-/// See above.
 #[inline(never)]
 unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
@@ -217,9 +166,6 @@ unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     }
 }
 
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     // SAFETY: as the contract of this function asks.
     let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };

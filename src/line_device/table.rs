@@ -9,11 +9,7 @@ use crate::memory::{number, text_of};
 use deltarobot_protocols::line::device::is_id;
 use deltarobot_protocols::line::{Encoder, Value};
 
-/// Whether a table is one to work with; room is for trying.
-///
-/// # Safety
-///
-/// As for [`olp_device_init`](super::olp_device_init).
+/// Whether a table is one to work with; room is for trying. Unsafe as [`olp_device_init`](super::olp_device_init) is.
 pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -45,13 +41,9 @@ pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int 
     }
 }
 
-// From here on, tables are what `check` found good.
+// From here on, tables are what `check` found good, which makes these functions unsafe.
 
 /// Writes the welcome of a device and returns its length, 0 when it does not fit.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> usize {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -67,11 +59,7 @@ pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> 
     }
 }
 
-/// Adds a text that is there.
-///
-/// # Safety
-///
-/// text is NULL or a string.
+/// Adds a text that is there: NULL or a string.
 unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
     // SAFETY: as the contract of this function asks.
     if let Some(text) = unsafe { text_of(text) } {
@@ -80,10 +68,6 @@ unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
 }
 
 /// The device that is meant, or NULL.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *const DeviceInfo {
     // SAFETY: ids are NULL or strings.
     unsafe {
@@ -99,10 +83,6 @@ pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *cons
 }
 
 /// The command that is meant, if there is one.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn command_of<'a>(table: *const DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
     // SAFETY: as the contract of this function asks.
     unsafe {

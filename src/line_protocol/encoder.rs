@@ -203,9 +203,7 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     }
 }
 
-/// # Safety
-///
-/// As for [`olp_begin`].
+/// Unsafe as [`olp_begin`] is.
 unsafe fn begin(
     encoder: *mut LineEncoder,
     buf: *mut c_char,
@@ -236,11 +234,7 @@ fn add_text(line: &mut Encoder<'_>, name: &[u8], text: &[u8]) {
     line.text(name, text);
 }
 
-/// Adds a parameter, or fails if there is no name or no value.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
+/// Adds a parameter, or fails if there is no name or no value. Unsafe as [`olp_add_string`] is.
 unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8]>, put: Put) -> c_int {
     // SAFETY: name is NULL or a string; edit()'s contract is this function's.
     unsafe {
@@ -252,43 +246,25 @@ unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8
     }
 }
 
-/// Goes on with a line, unless it has failed, or was never begun.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
+/// Goes on with a line, unless it has failed, or was never begun. Unsafe as [`olp_add_string`] is.
 pub(crate) unsafe fn edit(encoder: *mut LineEncoder, edit: &mut dyn FnMut(&mut Encoder<'_>)) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
-    if encoder.error == OLP_RC_SUCCESS {
-        // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
-        match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
-            (Ok(length), Some(room)) => {
-                let mut line = Encoder::resume(room, length);
-                edit(&mut line);
-                keep(encoder, &line);
-            }
-            _ => encoder.error = OLP_RC_ERROR_GENERIC,
-        }
+    if encoder.error != OLP_RC_SUCCESS {
+        return encoder.error;
+    }
+    encoder.error = OLP_RC_ERROR_GENERIC;
+    if let (Ok(length), Ok(cap), false) =
+        (usize::try_from(encoder.length), usize::try_from(encoder.cap), encoder.buf.is_null())
+    {
+        // SAFETY: begin() checked the buffer, and wrote all of these bytes; it is still there.
+        let room = unsafe { slice::from_raw_parts_mut(encoder.buf.cast(), cap) };
+        let mut line = Encoder::resume(room, length);
+        edit(&mut line);
+        encoder.length = int(line.length());
+        encoder.error = line.error().map_or(OLP_RC_SUCCESS, |error| (error as u8).into());
     }
     encoder.error
-}
-
-/// The buffer of a line, as far as the line may reach.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
-unsafe fn room_for<'a>(encoder: &LineEncoder) -> Option<&'a mut [u8]> {
-    let cap = usize::try_from(encoder.cap).ok().filter(|_| !encoder.buf.is_null())?;
-    // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
-    Some(unsafe { slice::from_raw_parts_mut(encoder.buf.cast(), cap) })
-}
-
-/// Keeps how far a line is.
-fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
-    encoder.length = int(line.length());
-    encoder.error = line.error().map_or(OLP_RC_SUCCESS, |error| (error as u8).into());
 }
 
 // The codes of C are those of the core.

@@ -100,9 +100,7 @@ pub(crate) fn view(message: &Message<'_>) -> LineMessage {
     }
 }
 
-/// # Safety
-///
-/// As for [`olp_param_at`].
+/// Unsafe as [`olp_param_at`] is.
 unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -111,11 +109,7 @@ unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
     }
 }
 
-/// The value of a parameter, or why there is none.
-///
-/// # Safety
-///
-/// As for [`olp_find`].
+/// The value of a parameter, or why there is none. Unsafe as [`olp_find`] is.
 pub(super) unsafe fn find_value<'a>(
     message: *const LineMessage,
     name: *const c_char,
@@ -129,11 +123,7 @@ pub(super) unsafe fn find_value<'a>(
     params.value(name, occurrence).ok_or(OLP_RC_NOT_FOUND)
 }
 
-/// Hands a parameter to C.
-///
-/// # Safety
-///
-/// out is NULL or points to a writable parameter.
+/// Hands a parameter to C; out is NULL or points to a writable one.
 unsafe fn give(param: Option<Param<'_>>, out: *mut LineParam) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(out) = (unsafe { out.as_mut() }) else { return OLP_RC_ERROR_GENERIC };

@@ -158,20 +158,14 @@ pub unsafe extern "C" fn olp_is(
     unsafe { is(find_value(message, name, occurrence), text_of(text)) }
 }
 
-/// # Safety
-///
-/// As for [`olp_value_int`].
+/// Unsafe as [`olp_value_int`] is.
 unsafe fn value_of<'a>(param: *const LineParam) -> Result<Value<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
     let bytes = unsafe { param.as_ref().and_then(|param| bytes_of(param.value.cast(), param.value_length)) };
     bytes.map(Value::new).ok_or(OLP_RC_ERROR_GENERIC)
 }
 
-/// Hands a number to C.
-///
-/// # Safety
-///
-/// out is NULL or points to a writable number.
+/// Hands a number to C; out is NULL or points to a writable one.
 unsafe fn store<T>(number: Result<Result<T, NumberError>, c_int>, out: *mut T) -> c_int {
     // SAFETY: as the contract of this function asks.
     match (number, unsafe { out.as_mut() }) {
