@@ -5,7 +5,6 @@
 //! ```c
 //! int got = uart_read(&uart, in, sizeof in);
 //! for (int taken = 0; taken < got;) {
-//!     float temperature;
 //!     taken += olp_receive(&receiver, in + taken, got - taken, &line);
 //!     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
 //!         olp_is(&message, "c", 0, "heaterinfo") &&
@@ -48,8 +47,7 @@ pub const OLP_RC_OVERFLOW: c_int = 3;
 pub const OLP_RC_BUSY: c_int = 5;
 /// Nothing has happened.
 pub const OLP_RC_NO_EVENT: c_int = 6;
-/// Text is not what it should be: an escape without its two digits, a value that is no number, a line feed within a
-/// line.
+/// Text is not what it should be: an escape without its digits, a value that is no number, a line feed in a line.
 pub const OLP_RC_MALFORMED: c_int = 8;
 /// A line is longer than may be sent, or does not fit the buffer.
 pub const OLP_RC_TOO_LONG: c_int = 9;
@@ -93,7 +91,7 @@ pub struct LineMessage {
     pub count: c_int,
     /// One of `OLP_CHECKSUM_*`.
     pub checksum: c_int,
-    /// The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
+    /// The Fletcher-16 of the bytes before `&s=`, or of all of them without a checksum: what an ack repeats.
     pub sum: c_uint,
 }
 
@@ -120,8 +118,7 @@ pub struct LineParam {
 pub struct LineText {
     /// One of `OLP_LINE_*`.
     pub kind: c_int,
-    /// The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
-    /// next call.
+    /// The line without its end, a zero byte behind it, in the receiver until the next call; NULL: there is none.
     pub text: *const c_char,
     /// Number of bytes of it; 0 when there is none.
     pub length: c_int,

@@ -6,14 +6,12 @@ use crate::memory::bytes_of;
 use deltarobot_export::export;
 use deltarobot_protocols::line;
 
-/// The checksum of the protocol, Fletcher-16 in ones' complement: both sums begin at 255, and neither is ever 0. Of no
-/// bytes it is 0xFFFF; of a NULL pointer or a negative length too.
-///
-/// Returns the second sum in bits 8 to 15, the first in bits 0 to 7.
+/// The checksum of the protocol, Fletcher-16 in ones' complement: the second sum in bits 8 to 15, the first in bits 0
+/// to 7. Both begin at 255, and neither is ever 0: of no bytes it is 0xFFFF, of a NULL pointer or a negative length
+/// too.
 ///
 /// ```c
-/// unsigned int sum = olp_fletcher16(line.text, line.length);
-/// printf("%04x\n", sum);
+/// printf("%04x\n", olp_fletcher16(line.text, line.length));
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> c_uint {
@@ -21,10 +19,8 @@ pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> 
     line::fletcher16(unsafe { bytes_of(bytes, length) }.unwrap_or_default()).into()
 }
 
-/// The checksum of bytes whose beginning was summed up before: sum is what this function or `olp_fletcher16` returned
-/// for that, 0xFFFF when it is empty.
-///
-/// Returns the checksum of all; sum, as far as it has 16 bits, when bytes is NULL or length not positive.
+/// The checksum of bytes whose beginning has the checksum sum, as far as that has 16 bits: 0xFFFF when there is none.
+/// It is sum itself when bytes is NULL or length not positive.
 ///
 /// ```c
 /// unsigned int sum = 0xFFFF;

@@ -12,18 +12,16 @@ use deltarobot_export::export;
 use deltarobot_protocols::bytes::zeros;
 use deltarobot_protocols::line::{EncodeError, Encoder, Integer};
 
-/// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+/// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there
+/// until the line is finished; command is NULL or a string.
 ///
 /// `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
 /// return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
-///
-/// buf stays there until the line is finished; command is NULL or a string.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`,
 /// `OLP_RC_TOO_LONG` when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
 ///
 /// ```c
-/// char text[OLP_REPLY_MAX];
 /// olp_begin(&encoder, text, sizeof text, "heaterinfo");
 /// olp_add_float(&encoder, "temp", 21.5f, 2);
 /// length = olp_finish(&encoder, 1);
@@ -39,14 +37,11 @@ pub unsafe extern "C" fn olp_begin(
     unsafe { begin(encoder, buf, cap, c_int::MAX, command) }
 }
 
-/// Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
-/// buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
-/// need have to be left out.
-///
-/// Returns what `olp_begin` does.
+/// Like `olp_begin`, for a line that a PC sends: it has at most `OLP_COMMAND_MAX` bytes, its checksum and its line feed
+/// counted, and no more than the buffer. Of one that is too long, parameters that the device does not need have to be
+/// left out.
 ///
 /// ```c
-/// char text[OLP_COMMAND_MAX];
 /// olp_begin_command(&encoder, text, sizeof text, "setswitch");
 /// olp_add_int(&encoder, "state", 1);
 /// length = olp_finish(&encoder, 1);
@@ -62,10 +57,8 @@ pub unsafe extern "C" fn olp_begin_command(
     unsafe { begin(encoder, buf, cap, OLP_COMMAND_MAX, command) }
 }
 
-/// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
-///
-/// encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
-/// with a zero byte.
+/// Adds a text, a string, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits. encoder was made
+/// by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
 /// `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call
@@ -81,9 +74,7 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
     unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
-/// Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
-///
-/// text is NULL or points to that many bytes.
+/// Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL.
 ///
 /// Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
 ///
@@ -107,8 +98,7 @@ pub unsafe extern "C" fn olp_add_bytes(
 /// without its two digits.
 ///
 /// ```c
-/// if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
-///     olp_add_raw(&encoder, "t", param.value, param.value_length);
+/// olp_add_raw(&encoder, "t", param.value, param.value_length);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_raw(
@@ -121,9 +111,7 @@ pub unsafe extern "C" fn olp_add_raw(
     unsafe { add(encoder, name, bytes_of(value.cast(), length), |line, name, value| _ = line.raw(name, value)) }
 }
 
-/// Adds an integer, in decimal.
-///
-/// Returns what `olp_add_string` does.
+/// Adds an integer, in decimal. Returns what `olp_add_string` does.
 ///
 /// ```c
 /// olp_add_int(&encoder, "state", 1);
@@ -158,14 +146,11 @@ pub unsafe extern "C" fn olp_add_float(
     }
 }
 
-/// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
-///
-/// Returns what `olp_add_string` does.
+/// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats. Returns
+/// what `olp_add_string` does.
 ///
 /// ```c
-/// olp_begin(&encoder, text, sizeof text, "ack");
 /// olp_add_hex(&encoder, "checksum", message.sum);
-/// length = olp_finish(&encoder, 0);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_char, value: c_uint) -> c_int {
@@ -186,8 +171,7 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
 ///
 /// ```c
-/// int length = olp_finish(&encoder, 1);
-/// if (length > 0)
+/// if ((length = olp_finish(&encoder, 1)) > 0)
 ///     uart_write(&uart, text, length);
 /// ```
 #[export]

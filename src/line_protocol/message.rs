@@ -11,15 +11,14 @@ use deltarobot_export::export;
 use deltarobot_protocols::line::{Checksum, Malformed, Message, Param, Params, Value};
 
 /// Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
-/// without `=` has an empty value; nothing between two `&` is no parameter.
+/// without `=` has an empty value; nothing between two `&` is no parameter. A wrong checksum is no error: see
+/// `message->checksum`.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NO_COMMAND` when the first parameter is not `c`, `OLP_RC_MALFORMED` when a `%`
 /// lacks its two hexadecimal digits or a line feed stands within the line; or `OLP_RC_ERROR_GENERIC` when a pointer is
-/// NULL or length negative. Unless it succeeds, message is empty. A wrong checksum is no error: see
-/// `message->checksum`.
+/// NULL or length negative. Unless it succeeds, message is empty.
 ///
 /// ```c
-/// struct olp_message message;
 /// if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
 ///     handle_message(&message);
 /// ```
@@ -38,15 +37,13 @@ pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: 
     OLP_RC_SUCCESS
 }
 
-/// Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
-///
-/// message was filled in by `olp_parse` and its line is still there, or is all zero.
+/// Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last. message was filled in
+/// by `olp_parse` and its line is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 /// Unless it succeeds, param is left as it was.
 ///
 /// ```c
-/// struct olp_param param;
 /// for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
 ///     printf("%.*s\n", param.name_length, param.name);
 /// ```
@@ -59,17 +56,12 @@ pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int,
     }
 }
 
-/// Finds a parameter by its name. Names repeat: occurrence selects one of that name, 0 the first. The command is the
-/// first `c`.
-///
-/// name is NULL or a string.
-///
-/// Returns what `olp_param_at` does.
+/// Finds a parameter by its name, a string. Names repeat: occurrence selects one of that name, 0 the first. The command
+/// is the first `c`. Returns what `olp_param_at` does.
 ///
 /// ```c
-/// struct olp_param id;
-/// if (olp_find(&message, "id", 0, &id) == OLP_RC_SUCCESS)
-///     printf("from %.*s\n", id.value_length, id.value);
+/// if (olp_find(&message, "id", 0, &param) == OLP_RC_SUCCESS)
+///     printf("from %.*s\n", param.value_length, param.value);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_find(

@@ -26,7 +26,6 @@ state!(Receiver: line::Receiver<{ OLP_LINE_MAX + 1 }>);
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
 ///
 /// ```c
-/// struct olp_receiver receiver;
 /// olp_receiver_init(&receiver);
 /// ```
 #[export(olp)]
@@ -47,12 +46,9 @@ pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
 /// -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got;) {
-///     taken += olp_receive(&receiver, in + taken, got - taken, &line);
-///     if (line.kind == OLP_LINE_COMPLETE)
-///         puts(line.text);
-/// }
+/// int taken = olp_receive(&receiver, in, length, &line);
+/// if (line.kind == OLP_LINE_COMPLETE)
+///     puts(line.text);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_receive(

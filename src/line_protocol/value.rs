@@ -11,9 +11,8 @@ use crate::memory::{bytes_of, int, room_of, text_of};
 use deltarobot_export::export;
 use deltarobot_protocols::line::{NumberError, Value};
 
-/// Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
-///
-/// param was filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
+/// Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them. param was
+/// filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
@@ -21,7 +20,7 @@ use deltarobot_protocols::line::{NumberError, Value};
 /// ```c
 /// long state;
 /// if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
-///     printf("state %ld\n", state);
+///     switch_to(state);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_long) -> c_int {
@@ -35,9 +34,8 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
 /// Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
 ///
 /// ```c
-/// float temperature;
 /// if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
-///     printf("%.2f degrees\n", (double)temperature);
+///     show(temperature);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_float) -> c_int {
@@ -52,9 +50,8 @@ pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_
 /// when cap is 0).
 ///
 /// ```c
-/// char name[32];
-/// if (olp_value_string(&param, name, sizeof name) >= 0)
-///     puts(name);
+/// if (olp_value_string(&param, text, sizeof text) >= 0)
+///     puts(text);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_char, cap: c_int) -> c_int {
@@ -62,11 +59,7 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
     unsafe { decode(value_of(param), room_of(buf.cast(), cap)) }
 }
 
-/// Whether a parameter's decoded value is that text.
-///
-/// text is NULL or a string.
-///
-/// Returns 1 or 0; 0 when a pointer is NULL.
+/// Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
 ///
 /// ```c
 /// if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
@@ -78,14 +71,12 @@ pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_ch
     unsafe { is(value_of(param), text_of(text)) }
 }
 
-/// `olp_find` and `olp_value_int` in one.
-///
-/// Returns what they do.
+/// `olp_find` and `olp_value_int` in one: returns what they do.
 ///
 /// ```c
 /// long state;
 /// if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
-///     printf("state %ld\n", state);
+///     switch_to(state);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_int(
@@ -98,14 +89,11 @@ pub unsafe extern "C" fn olp_get_int(
     unsafe { store(find_value(message, name, occurrence).map(Value::int), value) }
 }
 
-/// `olp_find` and `olp_value_float` in one.
-///
-/// Returns what they do.
+/// `olp_find` and `olp_value_float` in one: returns what they do.
 ///
 /// ```c
-/// float temperature;
 /// if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
-///     printf("%.2f degrees\n", (double)temperature);
+///     show(temperature);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_float(
@@ -118,14 +106,12 @@ pub unsafe extern "C" fn olp_get_float(
     unsafe { store(find_value(message, name, occurrence).map(Value::float), value) }
 }
 
-/// `olp_find` and `olp_value_string` in one.
-///
-/// Returns what `olp_value_string` does, and -`OLP_RC_NOT_FOUND`, buf being then left as it was.
+/// `olp_find` and `olp_value_string` in one: returns what the latter does, or -`OLP_RC_NOT_FOUND`, buf being then left
+/// as it was.
 ///
 /// ```c
-/// char name[32];
-/// if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
-///     puts(name);
+/// if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)
+///     puts(text);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_string(
@@ -139,9 +125,7 @@ pub unsafe extern "C" fn olp_get_string(
     unsafe { decode(find_value(message, name, occurrence), room_of(buf.cast(), cap)) }
 }
 
-/// `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
-///
-/// Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
+/// `olp_find` and `olp_value_is` in one. Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
 ///
 /// ```c
 /// if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
