@@ -36,7 +36,6 @@
 //! wrong checksum, missing checksum when one is in force, too long, unreadable
 //!                          onerror with code checksum, overflow or malformed; nothing is executed
 //! ```
-//!
 
 use core::ffi::{c_char, c_int, c_ulong, c_void};
 use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
@@ -93,7 +92,7 @@ pub type LineSendFunc = Option<unsafe extern "C" fn(line: *const c_void, bytes: 
 #[derive(Debug)]
 #[repr(C)]
 pub struct DeviceInfo {
-    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
+    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two have the same.
     pub id: *const c_char,
     /// What it is, e.g. OzekiSwitchController.
     pub r#type: *const c_char,
@@ -227,9 +226,8 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
     }
 }
 
-/// Starts again, as after `olp_device_init`: to be called when another connection is made.
-///
-/// device was made by `olp_device_init` or is all zero.
+/// Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
+/// connection is made.
 ///
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
 ///
@@ -256,8 +254,7 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
 /// window is out of range.
 ///
 /// ```c
-/// if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
-///     olp_device_poll(&device, now_ms());
+/// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_linksetup(
@@ -281,8 +278,8 @@ pub unsafe extern "C" fn olp_device_linksetup(
 }
 
 /// Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
-/// `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
-/// come during another call on the same device.
+/// `now_ms` makes no difference, as `olp_device_poll` has the time. Not for interrupts that may come during another
+/// call on the same device.
 ///
 /// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
 /// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
@@ -334,10 +331,8 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
     }
 }
 
-/// Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
-/// here. Its buffer is the caller's, and as long as the line may be.
-///
-/// event was begun and its buffer is still there; id is NULL or a string.
+/// Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
+/// are added here. Its buffer is the caller's, as long as the line may be, and still there.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
@@ -345,7 +340,6 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
 /// sent then.
 ///
 /// ```c
-/// char text[OLP_REPLY_MAX];
 /// olp_begin(&event, text, sizeof text, "heaterinfo");
 /// olp_add_float(&event, "temp", 21.5f, 2);
 /// olp_device_event(&device, &event, "M1F910");

@@ -97,9 +97,7 @@ pub struct Host {
 // One command more than the caller's.
 state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, { OLP_WINDOW_MAX + 1 }, OLP_DEVICES_MAX>);
 
-/// Begins a session. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
+/// Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too.
 ///
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
 ///
@@ -137,9 +135,8 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 /// first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
 /// the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
 ///
-/// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
-/// a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
-/// forgets them.
+/// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
+/// session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
 ///
 /// Returns a handle or an error as `olp_host_send` does.
 ///
@@ -166,26 +163,22 @@ pub unsafe extern "C" fn olp_host_setup(
     handle(host.setup(id, given(ack), given(checksum), window))
 }
 
-/// Queues a command for the device id, a string that is encoded as needed.
+/// Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` commands can be kept at a
+/// time, sent or not.
 ///
 /// command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
 /// length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
-/// parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
-/// bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
-/// With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
-/// optional, write numbers without needless decimals.
-///
-/// `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
-///
-/// host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+/// parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a
+/// line, line feed included, with a `t` of two digits (a longer line is never given a number of three). With an id of 6
+/// characters, command may have 48 bytes, 41 where checksums are in force: leave out what is optional, write numbers
+/// without needless decimals.
 ///
 /// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
 /// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
 /// empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
 ///
 /// ```c
-/// int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
-/// if (handle == -OLP_RC_BUSY)
+/// if (olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg") == -OLP_RC_BUSY)
 ///     puts("first, events have to be fetched");
 /// ```
 #[export(olp)]
@@ -202,11 +195,11 @@ pub unsafe extern "C" fn olp_host_send(
     }
 }
 
-/// Takes received bytes, up to the end of a line; `now_ms` is when they came.
+/// Takes received bytes, up to the end of a line; `now_ms` is when they came. Behind that end, none are taken until
+/// `olp_host_poll` has said that there are no more events of the line: fetch these, and give it the rest.
 ///
-/// Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
-/// more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
-/// Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Returns how many bytes were taken, or -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL
+/// and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -225,8 +218,6 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 /// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
 /// there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
 /// lost, dropped, error, linksetup, acked, ended, welcome, line.
-///
-/// host was begun by `olp_host_init` or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -266,9 +257,7 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 /// -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// char out[OLP_COMMAND_MAX];
-/// int length = olp_host_output(&host, out, sizeof out, now_ms());
-/// if (length > 0)
+/// if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
 ///     uart_write(&uart, out, length);
 /// ```
 #[export(olp)]
@@ -282,10 +271,9 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
     written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
-/// How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
-/// are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
-///
-/// Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+/// Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
+/// queued, as poll(2) takes it; -1 when they need not be called at all or host is NULL. Ask when there are no events
+/// left and the output was fetched.
 ///
 /// ```c
 /// wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
@@ -297,7 +285,7 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
     left.map_or(-1, long)
 }
 
-/// What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
+/// Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
 /// nor checksums, and a window of 1.
 ///
 /// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -318,8 +306,8 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
-/// change, and it stays there when the microcontroller restarts.
+/// Copies what is known of a device that has signed in: index is its place in the table, from 0 up, which does not
+/// change, even when the microcontroller restarts.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.

@@ -39,7 +39,6 @@
  *                          onerror with code checksum, overflow or malformed; nothing is executed
  * ```
  *
- *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_device.rs by `make header`.
  */
@@ -77,9 +76,7 @@ struct olp_device {
 
 /** A device behind the link, as its welcome describes it. The texts end with a zero byte. */
 struct olp_device_info {
-  /**
-   * 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
-   */
+  /** 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two have the same. */
   const char *id;
   /** What it is, e.g. OzekiSwitchController. */
   const char *type;
@@ -189,9 +186,8 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
     OLP_SIZED("olp_device_init");
 
 /**
- * Starts again, as after `olp_device_init`: to be called when another connection is made.
- *
- * device was made by `olp_device_init` or is all zero.
+ * Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
+ * connection is made.
  *
  * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
  *
@@ -211,8 +207,7 @@ int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart"
  * window is out of range.
  *
  * ```c
- * if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
- *     olp_device_poll(&device, now_ms());
+ * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
  * ```
  */
 int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window)
@@ -220,8 +215,8 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
 
 /**
  * Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
- * `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
- * come during another call on the same device.
+ * `now_ms` makes no difference, as `olp_device_poll` has the time. Not for interrupts that may come during another
+ * call on the same device.
  *
  * Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
  * -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
@@ -253,10 +248,8 @@ int olp_device_receive(struct olp_device *device, const void *buf, int bytes, un
 int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("olp_device_poll");
 
 /**
- * Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
- * here. Its buffer is the caller's, and as long as the line may be.
- *
- * event was begun and its buffer is still there; id is NULL or a string.
+ * Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
+ * are added here. Its buffer is the caller's, as long as the line may be, and still there.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
@@ -264,7 +257,6 @@ int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("
  * sent then.
  *
  * ```c
- * char text[OLP_REPLY_MAX];
  * olp_begin(&event, text, sizeof text, "heaterinfo");
  * olp_add_float(&event, "temp", 21.5f, 2);
  * olp_device_event(&device, &event, "M1F910");

@@ -112,37 +112,18 @@ extern "C" {
 #define OLP_HOST_ENDED 4
 /** Event: another line came from the device: `message`. */
 #define OLP_HOST_LINE 5
-
-/**
- * Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
- * damaged number makes a gap too.
- */
+/** Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged. */
 #define OLP_HOST_LOST 6
-
-/**
- * Event: the device reports an error: `message`. It is about the command `handle`, as far as that is known; else
- * that is 0.
- */
+/** Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known. */
 #define OLP_HOST_ERROR 7
-
 /** Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`. */
 #define OLP_HOST_DROPPED 8
-
-/**
- * Outcome: the device has executed the command, and answered: `message`. (Or it says by `onerror` with the code
- * `toolong` that its answer is too long for it.)
- */
+/** Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device. */
 #define OLP_HOST_ANSWERED 1
-
 /** Outcome: the device did not execute it, and says so: `message`, an `onerror`. */
 #define OLP_HOST_REFUSED 2
-
-/**
- * Outcome: what was to come back did not come. Whether the command was executed is not known. (If it was
- * acknowledged, the device has it.)
- */
+/** Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received. */
 #define OLP_HOST_TIMED_OUT 3
-
 /** Outcome: the device has restarted. Whether the command was executed before that is not known. */
 #define OLP_HOST_RESTARTED 4
 /** Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long. */
@@ -177,17 +158,11 @@ struct olp_host_settings {
   int recognises;
   /** The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known. */
   unsigned long baud;
-  /**
-   * Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
-   * below 0: any number.
-   */
+  /** Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any. */
   int receive_room;
 };
 
-/**
- * What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
- * one command at a time (section "Link Setup command").
- */
+/** What is in force on a link, as the host knows it. At first, 0 and a window of 1 (section "Link Setup command"). */
 struct olp_host_link {
   /** 1: the device acknowledges commands; else 0. */
   int ack;
@@ -213,10 +188,7 @@ struct olp_host_event {
   int lost;
   /** What is in force on the link. */
   struct olp_host_link link;
-  /**
-   * The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
-   * Empty where an event has none.
-   */
+  /** The line, where it lies in the session until its next call that is not of `const`; empty if there is none. */
   struct olp_message message;
 };
 
@@ -258,10 +230,7 @@ struct olp_host_health {
   unsigned long timeouts;
   /** Commands that were retransmitted, because of that or because the device has asked for it. */
   unsigned long repeats;
-  /**
-   * Number of round trips measured: from a command that was sent once to what came back first. Times in
-   * milliseconds.
-   */
+  /** Number of round trips measured, in milliseconds: from a command sent once to what came back first. */
   unsigned long rtt_count;
   /** The last round-trip time. */
   unsigned long rtt_last;
@@ -274,9 +243,7 @@ struct olp_host_health {
 };
 
 /**
- * Begins a session. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
+ * Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too.
  *
  * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
  *
@@ -297,9 +264,8 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
  * the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
  *
- * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
- * a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
- * forgets them.
+ * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
+ * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
  * Returns a handle or an error as `olp_host_send` does.
  *
@@ -312,37 +278,33 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
     OLP_SIZED("olp_host_setup");
 
 /**
- * Queues a command for the device id, a string that is encoded as needed.
+ * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` commands can be kept at a
+ * time, sent or not.
  *
  * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
  * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
- * parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
- * bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
- * With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
- * optional, write numbers without needless decimals.
- *
- * `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
- *
- * host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+ * parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a
+ * line, line feed included, with a `t` of two digits (a longer line is never given a number of three). With an id of 6
+ * characters, command may have 48 bytes, 41 where checksums are in force: leave out what is optional, write numbers
+ * without needless decimals.
  *
  * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
  * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
  *
  * ```c
- * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
- * if (handle == -OLP_RC_BUSY)
+ * if (olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg") == -OLP_RC_BUSY)
  *     puts("first, events have to be fetched");
  * ```
  */
 int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED("olp_host_send");
 
 /**
- * Takes received bytes, up to the end of a line; `now_ms` is when they came.
+ * Takes received bytes, up to the end of a line; `now_ms` is when they came. Behind that end, none are taken until
+ * `olp_host_poll` has said that there are no more events of the line: fetch these, and give it the rest.
  *
- * Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
- * more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
- * Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Returns how many bytes were taken, or -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL
+ * and bytes is not 0.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -357,8 +319,6 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
  * there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
  * lost, dropped, error, linksetup, acked, ended, welcome, line.
- *
- * host was begun by `olp_host_init` or is all zero.
  *
  * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -380,19 +340,16 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * char out[OLP_COMMAND_MAX];
- * int length = olp_host_output(&host, out, sizeof out, now_ms());
- * if (length > 0)
+ * if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
  *     uart_write(&uart, out, length);
  * ```
  */
 int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED("olp_host_output");
 
 /**
- * How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
- * are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
- *
- * Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+ * Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
+ * queued, as poll(2) takes it; -1 when they need not be called at all or host is NULL. Ask when there are no events
+ * left and the output was fetched.
  *
  * ```c
  * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
@@ -401,7 +358,7 @@ int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now
 long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED("olp_host_next_deadline");
 
 /**
- * What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
+ * Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
  * nor checksums, and a window of 1.
  *
  * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -415,8 +372,8 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
- * Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
- * change, and it stays there when the microcontroller restarts.
+ * Copies what is known of a device that has signed in: index is its place in the table, from 0 up, which does not
+ * change, even when the microcontroller restarts.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.

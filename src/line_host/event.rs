@@ -22,22 +22,18 @@ pub const OLP_HOST_ACKED: c_int = 3;
 pub const OLP_HOST_ENDED: c_int = 4;
 /// Event: another line came from the device: `message`.
 pub const OLP_HOST_LINE: c_int = 5;
-/// Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
-/// damaged number makes a gap too.
+/// Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged.
 pub const OLP_HOST_LOST: c_int = 6;
-/// Event: the device reports an error: `message`. It is about the command `handle`, as far as that is known; else
-/// that is 0.
+/// Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known.
 pub const OLP_HOST_ERROR: c_int = 7;
 /// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
 pub const OLP_HOST_DROPPED: c_int = 8;
 
-/// Outcome: the device has executed the command, and answered: `message`. (Or it says by `onerror` with the code
-/// `toolong` that its answer is too long for it.)
+/// Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device.
 pub const OLP_HOST_ANSWERED: c_int = 1;
 /// Outcome: the device did not execute it, and says so: `message`, an `onerror`.
 pub const OLP_HOST_REFUSED: c_int = 2;
-/// Outcome: what was to come back did not come. Whether the command was executed is not known. (If it was
-/// acknowledged, the device has it.)
+/// Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received.
 pub const OLP_HOST_TIMED_OUT: c_int = 3;
 /// Outcome: the device has restarted. Whether the command was executed before that is not known.
 pub const OLP_HOST_RESTARTED: c_int = 4;
@@ -62,8 +58,7 @@ pub struct LineHostEvent {
     pub lost: c_int,
     /// What is in force on the link.
     pub link: Link,
-    /// The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
-    /// Empty where an event has none.
+    /// The line, where it lies in the session until its next call that is not of `const`; empty if there is none.
     pub message: LineMessage,
 }
 

@@ -25,13 +25,11 @@ pub struct Settings {
     pub recognises: c_int,
     /// The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known.
     pub baud: c_ulong,
-    /// Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
-    /// below 0: any number.
+    /// Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any.
     pub receive_room: c_int,
 }
 
-/// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
-/// one command at a time (section "Link Setup command").
+/// What is in force on a link, as the host knows it. At first, 0 and a window of 1 (section "Link Setup command").
 #[derive(Debug)]
 #[repr(C)]
 pub struct Link {
@@ -67,8 +65,7 @@ pub struct Health {
     pub timeouts: c_ulong,
     /// Commands that were retransmitted, because of that or because the device has asked for it.
     pub repeats: c_ulong,
-    /// Number of round trips measured: from a command that was sent once to what came back first. Times in
-    /// milliseconds.
+    /// Number of round trips measured, in milliseconds: from a command sent once to what came back first.
     pub rtt_count: c_ulong,
     /// The last round-trip time.
     pub rtt_last: c_ulong,
