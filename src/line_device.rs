@@ -43,13 +43,13 @@ use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 use super::line_protocol::encoder::edit;
 use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS};
-use super::memory::{bytes_of, duration, int, text_of, time};
+use super::memory::{bytes_of, copy_counters, duration, int, text_of, time};
 use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, Word, state};
 use deltarobot_export::export;
-use deltarobot_protocols::line::device::{DeviceLink, Health, ID_MAX, LINE_MAX, Setup};
+use deltarobot_protocols::line::device::{DeviceLink, ID_MAX, LINE_MAX, Setup};
 use deltarobot_protocols::line::{Receiver, Value};
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 mod serve;
 mod table;
@@ -179,7 +179,7 @@ impl State {
 }
 
 /// How the link does. The counters wrap at 2^32.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct DeviceHealth {
     /// Commands that were received intact, repeats among them.
@@ -383,15 +383,7 @@ pub unsafe extern "C" fn olp_device_get_health(device: *const Device, health: *m
     let (Some(state), Some(health)) = (unsafe { (Device::peek(device), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    let Health { commands, repeats, checksums, malformed, overflows, refused } = *state.link.health();
-    *health = DeviceHealth {
-        commands: commands.into(),
-        repeats: repeats.into(),
-        checksums: checksums.into(),
-        malformed: malformed.into(),
-        overflows: overflows.into(),
-        refused: refused.into(),
-    };
+    copy_counters::<6>(transmute_ref!(state.link.health()), transmute_mut!(health));
     OLP_RC_SUCCESS
 }
 

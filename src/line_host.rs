@@ -62,12 +62,12 @@ use super::line_protocol::{
     OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
     OLP_RC_TOO_LONG,
 };
-use super::memory::{bytes_of, duration, fill, int, long, short, text_of, time, zero};
+use super::memory::{bytes_of, copy_counters, duration, fill, int, long, short, text_of, time, zero};
 use crate::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, state};
 use deltarobot_export::export;
 use deltarobot_protocols::line::host::{self, QueueError};
-use deltarobot_protocols::session::RoundTrips;
+use zerocopy::{transmute_mut, transmute_ref};
 
 pub mod event;
 mod types;
@@ -353,36 +353,7 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Hea
     let (Some(host), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    let host::Health {
-        lines,
-        strays,
-        malformed,
-        overlong,
-        lost,
-        errors,
-        restarts,
-        overflows,
-        timeouts,
-        repeats,
-        round_trips: RoundTrips { count, last, min, max, sum },
-    } = *host.health();
-    *health = Health {
-        lines: lines.into(),
-        strays: strays.into(),
-        malformed: malformed.into(),
-        overlong: overlong.into(),
-        lost: lost.into(),
-        errors: errors.into(),
-        restarts: restarts.into(),
-        overflows: overflows.into(),
-        timeouts: timeouts.into(),
-        repeats: repeats.into(),
-        rtt_count: count.into(),
-        rtt_last: last.into(),
-        rtt_min: min.into(),
-        rtt_max: max.into(),
-        rtt_sum: sum.into(),
-    };
+    copy_counters::<15>(transmute_ref!(host.health()), transmute_mut!(health));
     OLP_RC_SUCCESS
 }
 

@@ -4,6 +4,7 @@ use core::ffi::{c_char, c_int, c_uint, c_ulong};
 
 use super::{OLP_HOST_ID_MAX, OLP_HOST_NAME_MAX, OLP_HOST_TYPE_MAX, OLP_HOST_VERSION_MAX};
 use deltarobot_protocols::line::host;
+use zerocopy::{FromBytes, IntoBytes};
 
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
 #[derive(Debug)]
@@ -42,7 +43,7 @@ pub struct Link {
 }
 
 /// Counters of a host session since it began; they wrap at 2^32.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct Health {
     /// Lines received that can be read.

@@ -22,7 +22,7 @@ mod fault;
 mod link_lines;
 mod setup;
 
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use super::encoder::{Encoder, is_plain};
 use super::message::{Checksum, Message};
@@ -57,7 +57,8 @@ struct Request {
 }
 
 /// How the link does. The counters wrap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable)]
+#[repr(C)]
 pub struct Health {
     /// Commands that were received intact, repeats among them.
     pub commands: u32,

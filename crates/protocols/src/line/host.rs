@@ -75,7 +75,7 @@ mod slot;
 mod table;
 mod timers;
 
-use zerocopy::{FromBytes, FromZeros};
+use zerocopy::{FromBytes, FromZeros, Immutable, IntoBytes};
 
 use super::encoder::COMMAND_MAX;
 use super::message::Message;
@@ -140,7 +140,8 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
 }
 
 /// Counters of a host session since it began; they wrap.
-#[derive(Clone, Debug, Default, FromBytes)]
+#[derive(Clone, Debug, Default, FromBytes, IntoBytes, Immutable)]
+#[repr(C)]
 pub struct Health {
     /// Lines received that can be read.
     pub lines: u32,
