@@ -18,7 +18,6 @@
 //!   it comes twice in the same words: a damaged line does not.
 
 mod answers;
-mod fault;
 mod link_lines;
 mod setup;
 
@@ -28,9 +27,8 @@ use super::encoder::{Encoder, is_plain};
 use super::message::{Checksum, Message};
 use crate::session::{count, span};
 use answers::Answers;
-pub use fault::Fault;
 use link_lines::Lines;
-pub use link_lines::{LINK_LINE_MAX, LinkLine};
+pub use link_lines::{Fault, LINK_LINE_MAX, LinkLine};
 pub use setup::Setup;
 
 /// Bytes of the longest id that a device behind a link may have.
