@@ -230,24 +230,20 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::get(host) }).filter(|_| !event.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(event)) = (unsafe { (Host::get(host), event.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    // SAFETY: event is not NULL.
-    unsafe {
-        zero(event);
-        (*event).device = -1;
-        let happened = match host.poll(time(now_ms)) {
-            None => OLP_RC_NO_EVENT,
-            Some(happened) => {
-                write_event(event, &happened);
-                OLP_RC_SUCCESS
-            }
-        };
-        (*event).link = link_of(host.link());
-        happened
+    // SAFETY: an event may be all zero.
+    unsafe { zero(event) };
+    event.device = -1;
+    let mut code = OLP_RC_NO_EVENT;
+    if let Some(happened) = host.poll(time(now_ms)) {
+        write_event(event, &happened);
+        code = OLP_RC_SUCCESS;
     }
+    event.link = link_of(host.link());
+    code
 }
 
 /// Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
@@ -263,11 +259,8 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::get(host) }) else {
-        return OLP_RC_ERROR_GENERIC.wrapping_neg();
-    };
-    // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |line, room| host.output(line, room, time(now_ms))) };
+    let written =
+        unsafe { Host::get(host).and_then(|host| fill(buf, cap, |line, room| host.output(line, room, time(now_ms)))) };
     written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
@@ -297,12 +290,11 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !link.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(link)) = (unsafe { (Host::peek(host), link.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    // SAFETY: link is not NULL.
-    unsafe { *link = link_of(host.link()) };
+    *link = link_of(host.link());
     OLP_RC_SUCCESS
 }
 
@@ -319,22 +311,19 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !device.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(device)) = (unsafe { (Host::peek(host), device.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
     let Some(found) = usize::try_from(index).ok().and_then(|index| host.devices().get(index)) else {
         return OLP_RC_NOT_FOUND;
     };
-    let host::Device { id, r#type, name, version, pos, cut } = found;
-    // SAFETY: device is not NULL.
-    let device = unsafe { &mut *device };
-    copy_text(id, &mut device.id);
-    copy_text(r#type, &mut device.r#type);
-    copy_text(name, &mut device.name);
-    copy_text(version, &mut device.version);
-    device.pos = c_int::try_from(*pos).unwrap_or_default();
-    device.cut = (*cut).into();
+    copy_text(&found.id, &mut device.id);
+    copy_text(&found.r#type, &mut device.r#type);
+    copy_text(&found.name, &mut device.name);
+    copy_text(&found.version, &mut device.version);
+    device.pos = c_int::try_from(found.pos).unwrap_or_default();
+    device.cut = found.cut.into();
     OLP_RC_SUCCESS
 }
 

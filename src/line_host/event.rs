@@ -62,48 +62,43 @@ pub struct LineHostEvent {
     pub message: LineMessage,
 }
 
-/// # Safety
-///
-/// event points to a writable one that is all zero but for its device, which is -1.
-pub(super) unsafe fn write_event(event: *mut LineHostEvent, happened: &Event<'_>) {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        let (kind, message) = match happened {
-            Event::Welcome(listed, message) => {
-                ((*event).device, (*event).error) = place_of(*listed);
-                (OLP_HOST_WELCOME, Some(message))
-            }
-            Event::Linksetup(_) => (OLP_HOST_LINKSETUP, None),
-            Event::Acked(handle) => {
-                (*event).handle = (*handle).cast_signed().into();
-                (OLP_HOST_ACKED, None)
-            }
-            Event::Ended(handle, outcome, message) => {
-                (*event).handle = (*handle).cast_signed().into();
-                (*event).outcome = outcome_of(*outcome);
-                (OLP_HOST_ENDED, message.as_ref())
-            }
-            Event::Line(message) => (OLP_HOST_LINE, Some(message)),
-            Event::Lost(count) => {
-                (*event).lost = (*count).into();
-                (OLP_HOST_LOST, None)
-            }
-            Event::Error(handle, message) => {
-                (*event).handle = (*handle).cast_signed().into();
-                (OLP_HOST_ERROR, Some(message))
-            }
-            Event::Dropped(why) => {
-                (*event).error = match why {
-                    Dropped::TooLong => OLP_RC_TOO_LONG,
-                    Dropped::Malformed => OLP_RC_MALFORMED,
-                };
-                (OLP_HOST_DROPPED, None)
-            }
-        };
-        (*event).kind = kind;
-        if let Some(message) = message {
-            (*event).message = view(message);
+/// Writes what happened to an event that is all zero but for its device, which is -1.
+pub(super) fn write_event(event: &mut LineHostEvent, happened: &Event<'_>) {
+    let (kind, message) = match happened {
+        Event::Welcome(listed, message) => {
+            (event.device, event.error) = place_of(*listed);
+            (OLP_HOST_WELCOME, Some(message))
         }
+        Event::Linksetup(_) => (OLP_HOST_LINKSETUP, None),
+        Event::Acked(handle) => {
+            event.handle = (*handle).cast_signed().into();
+            (OLP_HOST_ACKED, None)
+        }
+        Event::Ended(handle, outcome, message) => {
+            event.handle = (*handle).cast_signed().into();
+            event.outcome = outcome_of(*outcome);
+            (OLP_HOST_ENDED, message.as_ref())
+        }
+        Event::Line(message) => (OLP_HOST_LINE, Some(message)),
+        Event::Lost(count) => {
+            event.lost = (*count).into();
+            (OLP_HOST_LOST, None)
+        }
+        Event::Error(handle, message) => {
+            event.handle = (*handle).cast_signed().into();
+            (OLP_HOST_ERROR, Some(message))
+        }
+        Event::Dropped(why) => {
+            event.error = match why {
+                Dropped::TooLong => OLP_RC_TOO_LONG,
+                Dropped::Malformed => OLP_RC_MALFORMED,
+            };
+            (OLP_HOST_DROPPED, None)
+        }
+    };
+    event.kind = kind;
+    if let Some(message) = message {
+        event.message = view(message);
     }
 }
 
