@@ -131,8 +131,7 @@ pub struct DeviceTable {
     /// Sends a line.
     pub send: LineSendFunc,
     /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-    /// stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
-    /// the same t is a new command.
+    /// stands for 5000. It has to be more than the other end waits before it repeats. Later, it is a new command.
     pub repeat_ms: c_ulong,
 }
 
@@ -227,9 +226,7 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
 }
 
 /// Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
-/// connection is made.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+/// connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero.
 ///
 /// ```c
 /// if (was_reconnected())
@@ -368,9 +365,7 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
     }
 }
 
-/// Copies how the link does.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_device_health health;

@@ -97,9 +97,8 @@ pub struct Host {
 // One command more than the caller's.
 state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, { OLP_WINDOW_MAX + 1 }, OLP_DEVICES_MAX>);
 
-/// Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+/// Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too. Returns
+/// `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// struct olp_host_settings settings = {0};
@@ -128,7 +127,8 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 }
 
 /// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
-/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns a handle or an
+/// error as `olp_host_send` does.
 ///
 /// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
 /// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -138,11 +138,8 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 /// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
 /// session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
 ///
-/// Returns a handle or an error as `olp_host_send` does.
-///
 /// ```c
-/// if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
-///     puts("first, events have to be fetched");
+/// olp_host_setup(&host, "sf6z34", 1, 1, -1);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_setup(
@@ -279,9 +276,7 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 }
 
 /// Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
-/// nor checksums, and a window of 1.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// nor checksums, and a window of 1. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_link link;
@@ -327,9 +322,7 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
     OLP_RC_SUCCESS
 }
 
-/// Copies how the link does.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_health health;

@@ -143,8 +143,7 @@ struct olp_device_table {
   olp_send_func_t send;
   /**
    * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-   * stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
-   * the same t is a new command.
+   * stands for 5000. It has to be more than the other end waits before it repeats. Later, it is a new command.
    */
   unsigned long repeat_ms;
 };
@@ -187,9 +186,7 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
 
 /**
  * Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
- * connection is made.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+ * connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero.
  *
  * ```c
  * if (was_reconnected())
@@ -266,9 +263,7 @@ int olp_device_event(struct olp_device *device, struct olp_encoder *event, const
     OLP_SIZED("olp_device_event");
 
 /**
- * Copies how the link does.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_device_health health;

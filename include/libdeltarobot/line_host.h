@@ -243,9 +243,8 @@ struct olp_host_health {
 };
 
 /**
- * Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+ * Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too. Returns
+ * `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * struct olp_host_settings settings = {0};
@@ -257,7 +256,8 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
 
 /**
  * Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
- * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+ * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns a handle or an
+ * error as `olp_host_send` does.
  *
  * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
  * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -267,11 +267,8 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
  * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
- * Returns a handle or an error as `olp_host_send` does.
- *
  * ```c
- * if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
- *     puts("first, events have to be fetched");
+ * olp_host_setup(&host, "sf6z34", 1, 1, -1);
  * ```
  */
 int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)
@@ -359,9 +356,7 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 
 /**
  * Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
- * nor checksums, and a window of 1.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * nor checksums, and a window of 1. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_link link;
@@ -388,9 +383,7 @@ int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_
     OLP_SIZED("olp_host_get_device");
 
 /**
- * Copies how the link does.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_health health;

@@ -318,9 +318,7 @@ int olp_param_at(const struct olp_message *message, int index, struct olp_param 
 int olp_find(const struct olp_message *message, const char *name, int occurrence, struct olp_param *param);
 
 /**
- * Makes a receiver empty. All zero it is so, too.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+ * Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
  *
  * ```c
  * olp_receiver_init(&receiver);

@@ -21,9 +21,7 @@ pub struct Receiver {
 }
 state!(Receiver: line::Receiver<{ OLP_LINE_MAX + 1 }>);
 
-/// Makes a receiver empty. All zero it is so, too.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+/// Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
 ///
 /// ```c
 /// olp_receiver_init(&receiver);

@@ -2,10 +2,9 @@
 //!
 //! A [`DeviceLink`] judges lines and writes the answers; it calls nothing. Firmware goes through a line in steps:
 //! [`accept`](DeviceLink::accept) says whether it is intact, [`LinkLine::Ack`] is what comes first,
-//! [`repeated`](DeviceLink::repeated) has the answer that is to be sent again when the command was executed before. If
-//! it was not, the firmware executes the command, writes the answer into the room that [`begin`](DeviceLink::begin)
-//! made and has it finished by [`finish`](DeviceLink::finish). In between nothing is borrowed: the link knows the
-//! command that it has accepted last.
+//! [`repeated`](DeviceLink::repeated) has the answer to send again when the command was executed before. If not, the
+//! firmware executes it, writes the answer into the room that [`begin`](DeviceLink::begin) made and has it finished by
+//! [`finish`](DeviceLink::finish). In between nothing is borrowed: the link knows the command accepted last.
 //!
 //! What the page "Ozeki Line Protocol" leaves open is decided so:
 //!
@@ -130,7 +129,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     pub fn is_behind(&self, now: u32) -> bool {
         // Forgetting answers that late costs the less for each byte.
         let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
-        self.answers.is_fresh() || coarse != known
+        self.answers.fresh != 0 || coarse != known
     }
 
     /// Whether a line is a command that was received intact; if so, the link goes on with that command.
@@ -292,26 +291,24 @@ mod tests {
         String::from_utf8(bytes.to_vec()).unwrap()
     }
 
+    fn written(device: &mut Link, line: LinkLine) -> String {
+        let mut room = [0; LINK_LINE_MAX];
+        let length = device.write(line, ID, &mut room);
+        text(&room[..length])
+    }
+
     /// Takes a command through its steps; "state=1" is what it answers. A command of any name is executed.
     fn answers(device: &mut Link, line: &[u8], now: u32) -> String {
-        let mut room = [0; LINK_LINE_MAX];
-        let mut sent = String::new();
         device.tick(now);
-        let message = Message::parse(line).map_err(|_| Fault::Malformed);
-        if let Err(fault) = message.and_then(|message| device.accept(&message, now)) {
-            let length = device.write(LinkLine::Event(fault), ID, &mut room);
-            return text(&room[..length]);
+        let message = Message::parse(line).unwrap();
+        if let Err(fault) = device.accept(&message, now) {
+            return written(device, LinkLine::Event(fault));
         }
-        let message = message.unwrap();
         if is_setup(&message) {
             device.change_setup(&message);
+            return written(device, LinkLine::Ack) + &written(device, LinkLine::SetupAnswer);
         }
-        let length = device.write(LinkLine::Ack, ID, &mut room);
-        sent += &text(&room[..length]);
-        if is_setup(&message) {
-            let length = device.write(LinkLine::SetupAnswer, ID, &mut room);
-            return sent + &text(&room[..length]);
-        }
+        let sent = written(device, LinkLine::Ack);
         if let Some(answer) = device.repeated() {
             return sent + "again " + &text(answer);
         }

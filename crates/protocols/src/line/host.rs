@@ -7,47 +7,43 @@
 //! # A command
 //!
 //! is queued as its caller built it; the session adds `t` and `id`, and `s` where checksums are in force. It leaves
-//! when none of those that have been sent and have not ended is forgotten by the device for it: that remembers as
-//! many commands as the window has, in the order in which they were executed. It ends exactly once, as [`Outcome`]
-//! tells:
+//! when none of those that are out is forgotten by the device for it: that remembers as many commands as the window
+//! has, in the order in which they were executed. It ends exactly once, as [`Outcome`] tells:
 //!
 //! - Answered: `<name>_resp` from its id came; where acks are in force, behind its ack. (Never matched by `t`, which
-//!   sources give differently. Of several that could be meant, the oldest is.)
+//!   sources give differently. Of several that could be meant, the oldest is.) Or an `onerror` with the code `toolong`:
+//!   it was executed, but can't be answered.
 //! - Refused: `onerror` with the code `unknowncommand`, `unknownid` or `refused`, its `t` and its id came; where acks
-//!   are in force, directly behind its ack, as that way of the line has no checksums. `toolong` says that it was
-//!   executed, but can't be answered, so that counts as its answer.
+//!   are in force, directly behind its ack, as that way of the line has no checksums.
 //! - Timed out: neither came, though it was repeated.
 //! - Restarted: the device has restarted meanwhile. A repeat could be executed a second time.
 //!
 //! # Retransmission
 //!
-//! A command that is sent again is the same line with the same `t`, by which some devices recognise it, and answer again
-//! without executing it again. Public boards are not known to, so that is assumed of a device only when
-//! [`Settings::recognises`] says so. Of others, a command is sent again when its ack (with the right checksum, where
-//! these are in force) is overdue, or at once when the device reports damage, a single command is out and it was sent
-//! once: a line that falls apart is reported more than once, and of several commands it is not known which was damaged.
-//! A device that recognises repeats is sent the oldest that it has not acknowledged at once, and a command whose answer
-//! is overdue, with acks or without. `linksetup` always is, as doing that twice is no harm.
+//! A command that is sent again is the same line with the same `t`, by which some devices recognise it, and answer
+//! again without executing it again. That is assumed only when [`Settings::recognises`] says so. Any device is sent a
+//! command again when its ack (with the right checksum, where these are in force) is overdue. One that recognises
+//! repeats is also sent a command whose answer is overdue, with acks or without, and, when it reports damage, at once
+//! the oldest that it has not acknowledged. Others get that only if a single command is out and it was sent once: a
+//! line that falls apart is reported more than once, and of several commands it is not known which was damaged.
+//! `linksetup` always is sent again, as doing that twice is no harm.
 //!
 //! Timeouts follow the round trips that were measured (RFC 6298) and the line's speed. No more bytes are sent than the
 //! device's receive buffer takes beside those that it has not answered yet. Without acks, no two commands of one name
-//! and id are out at a time.
-//!
-//! With a window of more than 1, a repeated command is executed behind later ones. Where the order matters, wait.
-//!
-//! # What can be relied on
-//!
-//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried
-//! out twice; answered means executed once, refused means not at all. (A damaged line whose checksum is right by
-//! chance, one in some 65000, is beyond that.) Without checksums a command may be executed otherwise than it was
-//! sent; without acks, the answer to a command that has timed out may count for the next one with that name and id,
-//! if it comes then.
+//! and id are out at a time. With a window of more than 1, a repeated command is executed behind later ones.
 //!
 //! A repeat can be recognised only while the device remembers the command. Therefore none is sent later than
 //! [`Settings::repeat_ms`] or after 128 other messages, and no new command has the number and the words of one of the
 //! last 64. But a program that has just started does not know these: it should begin with a `linksetup`, at which a
 //! device forgets what it remembers. That travels alone: it waits until all before it have ended, and all behind it
 //! until it has.
+//!
+//! # What can be relied on
+//!
+//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried
+//! out twice; answered means executed once, refused means not at all, but for the damaged lines whose checksum is right
+//! by chance, one in some 65000. Without checksums a command may be executed otherwise than it was sent; without acks,
+//! the answer to a command that has timed out may count for the next one with that name and id, if it comes then.
 //!
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};

@@ -34,7 +34,7 @@ struct Answer<const REPLY: usize> {
 pub(super) struct Answers<const WINDOW: usize, const REPLY: usize> {
     newest: u8,
     /// Not 0: the newest command has just been executed, which may have taken longer than `now` says.
-    fresh: u8,
+    pub(super) fresh: u8,
     slots: [Answer<REPLY>; WINDOW],
 }
 
@@ -51,11 +51,6 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         for slot in &mut self.slots {
             slot.length = 0;
         }
-    }
-
-    /// Whether a command has been executed since the time was given.
-    pub(super) const fn is_fresh(&self) -> bool {
-        self.fresh != 0
     }
 
     /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
