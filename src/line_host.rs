@@ -339,10 +339,9 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Hea
     OLP_RC_SUCCESS
 }
 
-#[allow(clippy::unnecessary_fallible_conversions, reason = "an int may have 16 bits")]
 fn handle(queued: Result<u16, QueueError>) -> c_int {
     match queued {
-        Ok(handle) => c_int::try_from(handle).unwrap_or_default(),
+        Ok(handle) => handle.cast_signed().into(),
         Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
         Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
         Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),

@@ -84,15 +84,11 @@ pub(super) struct Wanted {
     checksum: u8,
     /// 0: not said.
     windowsize: u16,
-    /// Bits of `OPTIONS` and `WINDOW`: still to be asked for again.
+    /// Still to be asked for again: 2: acks and checksums, and then, as all of them make a line too long, 1: the window.
     missing: u8,
     id_length: u8,
     id: [u8; ID_MAX],
 }
-
-/// Acks and checksums. With the window they make a line too long, so that goes by another.
-const OPTIONS: u8 = 1;
-const WINDOWSIZE: u8 = 2;
 
 impl Wanted {
     /// A linksetup asks for this, of the device with that id. With one that is too long nothing is asked for again.
@@ -116,7 +112,7 @@ impl Wanted {
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// The device has restarted: what is in force may not be what was asked for.
     pub(super) fn ask_again(&mut self) {
-        self.wanted.missing = OPTIONS | WINDOWSIZE;
+        self.wanted.missing = 2;
         self.ask_next();
     }
 
@@ -127,10 +123,9 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }
         let mut fields = self.wanted.fields();
         let differs = |wanted: Option<bool>, is: bool| wanted.is_some_and(|wanted| wanted != is);
-        let asks_options = self.wanted.missing & OPTIONS != 0
-            && (differs(fields.ack, self.link.acks()) || differs(fields.checksum, self.link.checks()));
-        self.wanted.missing &= !OPTIONS;
-        if asks_options {
+        let differ = differs(fields.ack, self.link.acks()) || differs(fields.checksum, self.link.checks());
+        if self.wanted.missing > 1 && differ {
+            self.wanted.missing = 1;
             fields.windowsize = None;
         } else {
             self.wanted.missing = 0;
