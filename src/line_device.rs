@@ -247,8 +247,7 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
 /// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
 /// be unanswered, 1 to `OLP_WINDOW_MAX`.
 ///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
-/// window is out of range.
+/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero, or window out of range.
 ///
 /// ```c
 /// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
@@ -304,8 +303,7 @@ pub unsafe extern "C" fn olp_device_receive(
     }
 }
 
-/// Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
-/// firmware's main loop.
+/// Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
 ///
 /// Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
 /// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by

@@ -160,8 +160,7 @@ pub unsafe extern "C" fn olp_host_setup(
     handle(host.setup(id, given(ack), given(checksum), window))
 }
 
-/// Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` commands can be kept at a
-/// time, sent or not.
+/// Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
 ///
 /// command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
 /// length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
@@ -293,8 +292,7 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in: index is its place in the table, from 0 up, which does not
-/// change, even when the microcontroller restarts.
+/// Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.

@@ -1,6 +1,6 @@
 //! `libdeltarobot/line_protocol.h`: lines of the Ozeki line protocol: checksum, reading, building, receiving.
 //!
-//! Reading:
+//! Building a line: `olp_begin_command`, of a device `olp_begin`. Reading those received:
 //!
 //! ```c
 //! int got = uart_read(&uart, in, sizeof in);
@@ -11,19 +11,6 @@
 //!         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
 //!         show(temperature);
 //! }
-//! ```
-//!
-//! Writing:
-//!
-//! ```c
-//! char text[OLP_COMMAND_MAX];
-//! struct olp_encoder encoder;
-//! olp_begin_command(&encoder, text, sizeof text, "setswitch");
-//! olp_add_int(&encoder, "state", 1);
-//! olp_add_int(&encoder, "t", 11);
-//! olp_add_string(&encoder, "id", "9o5qzg");
-//! if ((length = olp_finish(&encoder, 1)) > 0)
-//!     uart_write(&uart, text, length);
 //! ```
 
 use core::ffi::{c_char, c_int, c_uint};

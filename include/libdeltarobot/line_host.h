@@ -136,10 +136,7 @@ struct olp_host {
 
 /** Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1. */
 struct olp_host_settings {
-  /**
-   * How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
-   * Timeouts follow the measured round trips, and double when nothing comes.
-   */
+  /** Least time to wait for an ack; 0: 500. Timeouts follow measured round trips, and double when nothing comes. */
   unsigned long timeout_ms;
   /** The same for an answer; 0: as long as for an ack. */
   unsigned long answer_ms;
@@ -275,8 +272,7 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
     OLP_SIZED("olp_host_setup");
 
 /**
- * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` commands can be kept at a
- * time, sent or not.
+ * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
  *
  * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
  * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
@@ -367,8 +363,7 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
- * Copies what is known of a device that has signed in: index is its place in the table, from 0 up, which does not
- * change, even when the microcontroller restarts.
+ * Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.

@@ -2,7 +2,7 @@
  * @file
  * libdeltarobot/line_protocol.h: lines of the Ozeki line protocol: checksum, reading, building, receiving.
  *
- * Reading:
+ * Building a line: `olp_begin_command`, of a device `olp_begin`. Reading those received:
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -13,19 +13,6 @@
  *         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
  *         show(temperature);
  * }
- * ```
- *
- * Writing:
- *
- * ```c
- * char text[OLP_COMMAND_MAX];
- * struct olp_encoder encoder;
- * olp_begin_command(&encoder, text, sizeof text, "setswitch");
- * olp_add_int(&encoder, "state", 1);
- * olp_add_int(&encoder, "t", 11);
- * olp_add_string(&encoder, "id", "9o5qzg");
- * if ((length = olp_finish(&encoder, 1)) > 0)
- *     uart_write(&uart, text, length);
  * ```
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
@@ -184,9 +171,13 @@ int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *comma
  * left out.
  *
  * ```c
+ * char text[OLP_COMMAND_MAX];
+ * struct olp_encoder encoder;
  * olp_begin_command(&encoder, text, sizeof text, "setswitch");
  * olp_add_int(&encoder, "state", 1);
- * length = olp_finish(&encoder, 1);
+ * olp_add_string(&encoder, "id", "9o5qzg");
+ * if ((length = olp_finish(&encoder, 1)) > 0)
+ *     uart_write(&uart, text, length);
  * ```
  */
 int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const char *command);
@@ -252,8 +243,7 @@ int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 int olp_add_float(struct olp_encoder *encoder, const char *name, float value, int decimals);
 
 /**
- * Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats. Returns
- * what `olp_add_string` does.
+ * Adds the lower 16 bits of value as four hexadecimal digits in lower case. Returns what `olp_add_string` does.
  *
  * ```c
  * olp_add_hex(&encoder, "checksum", message.sum);
@@ -270,8 +260,7 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
  *
  * ```c
- * if ((length = olp_finish(&encoder, 1)) > 0)
- *     uart_write(&uart, text, length);
+ * length = olp_finish(&encoder, 1);
  * ```
  */
 int olp_finish(struct olp_encoder *encoder, int checksum);
@@ -417,8 +406,7 @@ int olp_get_int(const struct olp_message *message, const char *name, int occurre
 int olp_get_float(const struct olp_message *message, const char *name, int occurrence, float *value);
 
 /**
- * `olp_find` and `olp_value_string` in one: returns what the latter does, or -`OLP_RC_NOT_FOUND`, buf being then left
- * as it was.
+ * `olp_find` and `olp_value_string` in one: returns what they do; if -`OLP_RC_NOT_FOUND`, buf is left as it was.
  *
  * ```c
  * if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)

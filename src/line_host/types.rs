@@ -10,8 +10,7 @@ use zerocopy::{FromBytes, IntoBytes};
 #[derive(Debug)]
 #[repr(C)]
 pub struct Settings {
-    /// How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
-    /// Timeouts follow the measured round trips, and double when nothing comes.
+    /// Least time to wait for an ack; 0: 500. Timeouts follow measured round trips, and double when nothing comes.
     pub timeout_ms: c_ulong,
     /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: c_ulong,

@@ -42,9 +42,13 @@ pub unsafe extern "C" fn olp_begin(
 /// left out.
 ///
 /// ```c
+/// char text[OLP_COMMAND_MAX];
+/// struct olp_encoder encoder;
 /// olp_begin_command(&encoder, text, sizeof text, "setswitch");
 /// olp_add_int(&encoder, "state", 1);
-/// length = olp_finish(&encoder, 1);
+/// olp_add_string(&encoder, "id", "9o5qzg");
+/// if ((length = olp_finish(&encoder, 1)) > 0)
+///     uart_write(&uart, text, length);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_begin_command(
@@ -146,8 +150,7 @@ pub unsafe extern "C" fn olp_add_float(
     }
 }
 
-/// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats. Returns
-/// what `olp_add_string` does.
+/// Adds the lower 16 bits of value as four hexadecimal digits in lower case. Returns what `olp_add_string` does.
 ///
 /// ```c
 /// olp_add_hex(&encoder, "checksum", message.sum);
@@ -171,8 +174,7 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
 ///
 /// ```c
-/// if ((length = olp_finish(&encoder, 1)) > 0)
-///     uart_write(&uart, text, length);
+/// length = olp_finish(&encoder, 1);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {

@@ -106,8 +106,7 @@ pub unsafe extern "C" fn olp_get_float(
     unsafe { store(find_value(message, name, occurrence).map(Value::float), value) }
 }
 
-/// `olp_find` and `olp_value_string` in one: returns what the latter does, or -`OLP_RC_NOT_FOUND`, buf being then left
-/// as it was.
+/// `olp_find` and `olp_value_string` in one: returns what they do; if -`OLP_RC_NOT_FOUND`, buf is left as it was.
 ///
 /// ```c
 /// if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)

@@ -32,8 +32,7 @@ pub use setup::Setup;
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
-/// Bytes of the longest command that a device receives, without its end: more than a PC sends by the page's rule, which
-/// its own full `linksetup` breaks.
+/// Bytes of the longest command that a device receives, without its end: a full `linksetup` is longer than 64.
 pub const LINE_MAX: usize = 79;
 /// The command that the link itself executes.
 const LINKSETUP: &[u8] = b"linksetup";
@@ -78,8 +77,7 @@ pub struct Health {
 #[repr(C)]
 pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
     lines: Lines,
-    /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
-    /// after it.
+    /// Sum of the linksetup refused last for lack of a checksum; 0, which no line has, when another came after it.
     refused_setup: u16,
     /// The time that the answers know.
     now: u32,
@@ -97,8 +95,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         Self { lines: Lines::new(), refused_setup: 0, now: 0, repeat_ms: REPEAT_MS, health, answers: Answers::new() }
     }
 
-    /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
-    /// connected.
+    /// For a new link: for how many milliseconds repeats are expected, 0 standing for [`REPEAT_MS`].
     pub const fn expect_repeats_for(&mut self, repeat_ms: u32) {
         self.repeat_ms = span(repeat_ms, REPEAT_MS);
     }
@@ -115,8 +112,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         &self.health
     }
 
-    /// It is `now`, in milliseconds: to be called before anything else that happens then, at least when the link
-    /// [`is_behind`](Self::is_behind).
+    /// It is `now`, in milliseconds. To be called first, at least when the link [`is_behind`](Self::is_behind).
     pub fn tick(&mut self, now: u32) {
         self.now = now;
         self.answers.settle(now);
@@ -199,8 +195,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.answers.room()
     }
 
-    /// Makes room for the command's answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does
-    /// not fit.
+    /// Begins the command's answer, `c=<command>_resp`, in room of its own. Its length; 0 when even that does not fit.
     pub fn begin(&mut self, command: &[u8]) -> usize {
         let mut line = Encoder::resume(self.answers.begin(self.lines.setup.window()), 0);
         line.put_all(b"c=");
@@ -265,8 +260,7 @@ impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REP
     }
 }
 
-/// Whether a device behind a link may have that id: one to [`ID_MAX`] of the bytes that need no encoding,
-/// `[0-9A-Za-z._-]`.
+/// Whether a device behind a link may have that id: one to [`ID_MAX`] of `[0-9A-Za-z._-]`, which need no encoding.
 #[must_use]
 pub fn is_id(id: &[u8]) -> bool {
     !id.is_empty() && id.len() <= ID_MAX && id.iter().all(|byte| is_plain(*byte))

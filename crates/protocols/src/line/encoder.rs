@@ -37,8 +37,7 @@ pub enum EncodeError {
 
 /// A line that is being built in a buffer.
 ///
-/// Each call adds a parameter. After the first that fails nothing is added any more, and [`finish`](Self::finish) says
-/// why.
+/// Each call adds a parameter, but none after one that fails: [`finish`](Self::finish) says why.
 #[derive(Debug)]
 pub struct Encoder<'a> {
     room: &'a mut [u8],

@@ -118,13 +118,6 @@ impl<'a> Message<'a> {
         Params::of(self.line)
     }
 
-    /// The parameter of a name, or, as names repeat, the one that has `occurrence` others of that name before it. The
-    /// command is the first `c`.
-    #[must_use]
-    pub fn find(&self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
-        self.params().find_named(name, occurrence)
-    }
-
     /// The value of the first parameter of a name.
     #[must_use]
     pub fn get(&self, name: &[u8]) -> Option<Value<'a>> {
@@ -151,7 +144,7 @@ impl<'a> Params<'a> {
         Self { rest: line }
     }
 
-    /// See [`Message::find`].
+    /// The parameter of a name that has `occurrence` others of that name before it. The command is the first `c`.
     #[must_use]
     pub fn find_named(self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
         self.piece(name, occurrence).map(Param::of)
@@ -222,7 +215,7 @@ pub(super) const fn without_end(line: &[u8]) -> &[u8] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, Malformed, Message, fletcher16};
+    use super::{Checksum, Malformed, Message, Value, fletcher16};
     use std::vec::Vec;
 
     fn parse(line: &[u8]) -> Message<'_> {
@@ -235,10 +228,9 @@ mod tests {
         let message = parse(line);
         assert_eq!(message.count, 11);
         assert_eq!(message.command().raw(), b"go");
-        assert_eq!(message.find(b"c", 0).unwrap().value.raw(), b"go");
-        assert_eq!(message.find(b"c", 1).unwrap().value.raw(), b"50");
-        assert_eq!(message.find(b"c", 2), None);
-        assert_eq!(message.find(b"id", 0), message.params().nth(10));
+        let c = [0, 1, 2].map(|occurrence| message.params().value(b"c", occurrence).map(Value::raw));
+        assert_eq!(c, [Some(&b"go"[..]), Some(b"50"), None]);
+        assert_eq!(message.params().find_named(b"id", 0), message.params().nth(10));
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //!
 //! let message = Message::parse(b"c=heaterinfo&temp=110.44&state=0&id=M1F910&t=2").unwrap();
 //! assert!(message.command().is(b"heaterinfo"));
-//! assert_eq!(message.find(b"temp", 0).unwrap().value.float(), Ok(110.44));
+//! assert_eq!(message.text(b"temp").float(), Ok(110.44));
 //!
 //! let mut room = [0; 64];
 //! let mut encoder = Encoder::command(&mut room, b"setswitch");

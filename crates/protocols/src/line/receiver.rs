@@ -45,8 +45,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
         Self { used: 0, state: RECEIVING, line: [0; SIZE] }
     }
 
-    /// Takes bytes up to the end of the next line and returns how many those were: none while a line is there, see
-    /// [`release`](Self::release).
+    /// Takes bytes up to the next end of a line; how many, none before the last line's [`release`](Self::release).
     pub fn take(&mut self, bytes: &[u8]) -> usize {
         if self.has_ended() {
             return 0;

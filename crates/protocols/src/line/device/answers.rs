@@ -6,8 +6,7 @@
 
 use zerocopy::FromBytes;
 
-/// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
-/// and the device not seen.
+/// How far the counter moves on before a command is forgotten: 256 less what a host may have counted unseen.
 const AGE_MAX: u8 = 192;
 
 /// The answer to a command.
@@ -53,8 +52,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         }
     }
 
-    /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
-    /// not count as time since.
+    /// It is `now`. To be called first, so that the time that a command took does not count as time since.
     pub(super) fn settle(&mut self, now: u32) {
         if self.fresh != 0 {
             self.fresh = 0;

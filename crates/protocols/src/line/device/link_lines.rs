@@ -60,8 +60,7 @@ impl Fault {
 }
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
-    /// Writes such a line of the device of this id (of none, if no device can have it) and returns its length, 0 when
-    /// there is none to be sent.
+    /// Writes such a line of the device of this id, if one can have it. Its length, 0 when there is none to be sent.
     pub fn write(&mut self, line: LinkLine, id: &[u8], room: &mut [u8]) -> usize {
         let lines = &self.lines;
         let (length, steps) = match line {

@@ -78,8 +78,7 @@ impl Counter {
         self.apart = 0;
     }
 
-    /// Chooses the number of a new command. `sum` is the checksum that the command has with a number, or `None` when
-    /// it is too long with that.
+    /// Chooses a new command's number; `sum` is its checksum with a number, `None` when it is too long with that.
     ///
     /// It is the next one, unless the device could take the command for an older one with the same number and words,
     /// or the number has too many digits. Then it is one that no recent command has.

@@ -13,8 +13,7 @@ pub enum Outcome {
     Answered = 1,
     /// The device did not carry it out, and says so.
     Refused = 2,
-    /// What was to come back did not come. Whether it was executed is not known, unless it was acknowledged: then
-    /// the device has it.
+    /// What was to come back did not. Whether it was executed is not known; if it was acknowledged, it was received.
     TimedOut = 3,
     /// The device has restarted. Whether it was executed before that is not known.
     Restarted = 4,

@@ -250,8 +250,7 @@ fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
     message.get(name).filter(|_| !is_torn(message) && !is_joined(message))
 }
 
-/// Whether there is a `=` in a value: nobody sends it unencoded, but where a separator or an end was damaged it is
-/// there.
+/// Whether there is a `=` in a value: nobody sends it unencoded, but a damaged separator or end leaves it there.
 fn is_torn(message: &Message<'_>) -> bool {
     message.params().any(|param| param.value.raw().iter().any(|byte| matches!(byte, b'=')))
 }
@@ -259,7 +258,8 @@ fn is_torn(message: &Message<'_>) -> bool {
 /// Whether it looks like two lines that lost the end between them.
 fn is_joined(message: &Message<'_>) -> bool {
     let has_bad_t = message.get(b"t").is_some_and(|t| t.byte().is_none());
-    has_bad_t || message.find(b"t", 1).is_some() || message.find(b"id", 1).is_some()
+    let repeats = |name: &[u8]| message.params().value(name, 1).is_some();
+    has_bad_t || repeats(b"t") || repeats(b"id")
 }
 
 /// The last parameter of a name: the link's own are behind the others.

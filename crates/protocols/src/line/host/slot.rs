@@ -307,8 +307,7 @@ impl Slot {
     }
 }
 
-/// Whether a line is as the page wants it, and has none of the parameters that the session adds. What is received may
-/// be otherwise, what is sent may not.
+/// Whether a line is as the page wants what is sent, and has none of the parameters that the session adds.
 fn is_strict(message: &Message<'_>) -> bool {
     // Nothing between two of them is no parameter.
     let pieces = message.line.split(|byte| *byte == b'&').count();

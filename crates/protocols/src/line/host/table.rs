@@ -117,8 +117,7 @@ fn id_of<'a>(message: &Message<'a>) -> Result<Value<'a>, Listed> {
     }
 }
 
-/// Writes a text and zeros behind it, and returns whether that is not the whole text: for want of room, or as there is a
-/// zero in it.
+/// Writes a text and zeros behind it. Whether that is not all of it: for want of room, or as there is a zero in it.
 fn write(out: &mut [u8], value: Value<'_>) -> bool {
     let mut text = value.bytes();
     let mut cut = false;
