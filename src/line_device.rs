@@ -245,9 +245,8 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
 
 /// Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
 /// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
-/// be unanswered, 1 to `OLP_WINDOW_MAX`.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero, or window out of range.
+/// be unanswered, 1 to `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all
+/// zero, or window out of range.
 ///
 /// ```c
 /// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);

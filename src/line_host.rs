@@ -25,17 +25,13 @@
 //! }
 //! ```
 //!
-//! handle_event() calls, of the first OLP_HOST_WELCOME,
+//! handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
 //!
 //! ```c
 //! struct olp_host_device device;
 //! if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
 //!     olp_host_setup(&host, device.id, 1, 1, -1);
-//! ```
 //!
-//! and when that has ended as OLP_HOST_ANSWERED
-//!
-//! ```c
 //! int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
 //! ```
 //!
@@ -48,13 +44,11 @@
 //! checksums on             in any case: once or not at all.
 //! ```
 //!
-//! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
-//!
-//! A device that restarts in between may execute a command again, and a damaged line has the right checksum once in
-//! some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
-//! commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no
-//! two of one name and id are out at a time. The order in which commands are executed is that of sending while the
-//! window is 1; in a larger one, retransmitted ones fall behind.
+//! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
+//! may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:
+//! one that is damaged in several places may be believed. Without acks, commands are retransmitted only when the device
+//! asks for it, or the settings say that it recognises repeats, and no two of one name and id are out at a time. They
+//! are executed in the order of sending while the window is 1; in a larger one, retransmitted ones fall behind.
 
 use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 
@@ -127,8 +121,8 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 }
 
 /// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
-/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns a handle or an
-/// error as `olp_host_send` does.
+/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns what
+/// `olp_host_send` does.
 ///
 /// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
 /// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -163,11 +157,10 @@ pub unsafe extern "C" fn olp_host_setup(
 /// Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
 ///
 /// command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
-/// length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
-/// parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a
-/// line, line feed included, with a `t` of two digits (a longer line is never given a number of three). With an id of 6
-/// characters, command may have 48 bytes, 41 where checksums are in force: leave out what is optional, write numbers
-/// without needless decimals.
+/// length bytes (before `olp_finish`, those are `encoder.length`) of printable ASCII, without parameters named `s`, `t`
+/// or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a line, line feed included,
+/// with a `t` of two digits (a longer line is never given a number of three). With an id of 6 characters, command may
+/// have 48 bytes, 41 where checksums are in force.
 ///
 /// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
 /// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
@@ -212,8 +205,8 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 }
 
 /// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
-/// there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
-/// lost, dropped, error, linksetup, acked, ended, welcome, line.
+/// there is none; `olp_host_output` comes after that. The events of a line come in this order: lost, dropped, error,
+/// linksetup, acked, ended, welcome, line.
 ///
 /// Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -221,8 +214,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 /// ```c
 /// struct olp_host_event event;
 /// while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
-///     if (event.kind == OLP_HOST_ENDED)
-///         printf("command %d: outcome %d\n", event.handle, event.outcome);
+///     handle_event(&event);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
@@ -292,10 +284,9 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes.
-///
-/// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
-/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes. Returns
+/// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or `OLP_RC_ERROR_GENERIC` when a
+/// pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_device device;

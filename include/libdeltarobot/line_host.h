@@ -27,17 +27,13 @@
  * }
  * ```
  *
- * handle_event() calls, of the first OLP_HOST_WELCOME,
+ * handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
  *
  * ```c
  * struct olp_host_device device;
  * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
  *     olp_host_setup(&host, device.id, 1, 1, -1);
- * ```
  *
- * and when that has ended as OLP_HOST_ANSWERED
- *
- * ```c
  * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  * ```
  *
@@ -50,13 +46,11 @@
  * checksums on             in any case: once or not at all.
  * ```
  *
- * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
- *
- * A device that restarts in between may execute a command again, and a damaged line has the right checksum once in
- * some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
- * commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no
- * two of one name and id are out at a time. The order in which commands are executed is that of sending while the
- * window is 1; in a larger one, retransmitted ones fall behind.
+ * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
+ * may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:
+ * one that is damaged in several places may be believed. Without acks, commands are retransmitted only when the device
+ * asks for it, or the settings say that it recognises repeats, and no two of one name and id are out at a time. They
+ * are executed in the order of sending while the window is 1; in a larger one, retransmitted ones fall behind.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_host.rs by `make header`.
@@ -141,9 +135,8 @@ struct olp_host_settings {
   /** The same for an answer; 0: as long as for an ack. */
   unsigned long answer_ms;
   /**
-   * How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-   * time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 5000
-   * by default). Timeouts double up to half of it.
+   * How long after a command was sent first it may still be retransmitted; 0: 4000. A device has to remember it for
+   * longer than that and a line's way (`olp_device`: 5000 by default). Timeouts double up to half of it.
    */
   unsigned long repeat_ms;
   /** How often a command may be retransmitted; 0: 3; below 0: never. */
@@ -253,8 +246,8 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
 
 /**
  * Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
- * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns a handle or an
- * error as `olp_host_send` does.
+ * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns what
+ * `olp_host_send` does.
  *
  * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
  * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -275,11 +268,10 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
  *
  * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
- * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
- * parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a
- * line, line feed included, with a `t` of two digits (a longer line is never given a number of three). With an id of 6
- * characters, command may have 48 bytes, 41 where checksums are in force: leave out what is optional, write numbers
- * without needless decimals.
+ * length bytes (before `olp_finish`, those are `encoder.length`) of printable ASCII, without parameters named `s`, `t`
+ * or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a line, line feed included,
+ * with a `t` of two digits (a longer line is never given a number of three). With an id of 6 characters, command may
+ * have 48 bytes, 41 where checksums are in force.
  *
  * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
@@ -310,8 +302,8 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
- * there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
- * lost, dropped, error, linksetup, acked, ended, welcome, line.
+ * there is none; `olp_host_output` comes after that. The events of a line come in this order: lost, dropped, error,
+ * linksetup, acked, ended, welcome, line.
  *
  * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -319,8 +311,7 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
  * ```c
  * struct olp_host_event event;
  * while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
- *     if (event.kind == OLP_HOST_ENDED)
- *         printf("command %d: outcome %d\n", event.handle, event.outcome);
+ *     handle_event(&event);
  * ```
  */
 int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED("olp_host_poll");
@@ -363,10 +354,9 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
- * Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes.
- *
- * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
- * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes. Returns
+ * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or `OLP_RC_ERROR_GENERIC` when a
+ * pointer is NULL.
  *
  * ```c
  * struct olp_host_device device;

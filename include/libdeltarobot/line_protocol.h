@@ -140,9 +140,7 @@ unsigned int olp_fletcher16(const void *bytes, int length);
  * It is sum itself when bytes is NULL or length not positive.
  *
  * ```c
- * unsigned int sum = 0xFFFF;
- * for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
- *     sum = olp_fletcher16_more(sum, in, got);
+ * printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
  * ```
  */
 unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
@@ -191,16 +189,14 @@ int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const cha
  * for this line returned.
  *
  * ```c
- * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
- *     puts("no room for a name");
+ * olp_add_string(&encoder, "name", "Kitchen lamp");
  * ```
  */
 int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
 
 /**
- * Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL.
- *
- * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+ * Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL. `OLP_RC_ERROR_GENERIC` is returned
+ * also when length is negative.
  *
  * ```c
  * olp_add_bytes(&encoder, "serial", in, 4);
@@ -209,10 +205,8 @@ int olp_add_string(struct olp_encoder *encoder, const char *name, const char *te
 int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
 
 /**
- * Adds a value that is encoded already, such as one of a received line: unchanged.
- *
- * Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
- * without its two digits.
+ * Adds a value that is encoded already, such as one of a received line: unchanged. Returns what `olp_add_bytes` does;
+ * `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%` without its two digits.
  *
  * ```c
  * olp_add_raw(&encoder, "t", param.value, param.value_length);
@@ -231,10 +225,8 @@ int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 
 /**
  * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
- * the even digit when two are.
- *
- * Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
- * `OLP_DECIMALS_MAX`.
+ * the even digit when two are. Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or
+ * decimals not 0 to `OLP_DECIMALS_MAX`.
  *
  * ```c
  * olp_add_float(&encoder, "temp", 21.5f, 2);
@@ -349,9 +341,8 @@ int olp_value_int(const struct olp_param *param, long *value);
 
 /**
  * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
- * that is nearest. Infinities and NaNs are no such numbers.
- *
- * Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
+ * that is nearest. Infinities and NaNs are no such numbers. Returns what `olp_value_int` does; `OLP_RC_RANGE` when the
+ * number is beyond the largest float.
  *
  * ```c
  * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)

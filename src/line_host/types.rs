@@ -14,9 +14,8 @@ pub struct Settings {
     pub timeout_ms: c_ulong,
     /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: c_ulong,
-    /// How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-    /// time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 5000
-    /// by default). Timeouts double up to half of it.
+    /// How long after a command was sent first it may still be retransmitted; 0: 4000. A device has to remember it for
+    /// longer than that and a line's way (`olp_device`: 5000 by default). Timeouts double up to half of it.
     pub repeat_ms: c_ulong,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: c_int,

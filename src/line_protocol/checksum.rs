@@ -23,9 +23,7 @@ pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> 
 /// It is sum itself when bytes is NULL or length not positive.
 ///
 /// ```c
-/// unsigned int sum = 0xFFFF;
-/// for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
-///     sum = olp_fletcher16_more(sum, in, got);
+/// printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_fletcher16_more(sum: c_uint, bytes: *const c_void, length: c_int) -> c_uint {

@@ -69,8 +69,7 @@ pub unsafe extern "C" fn olp_begin_command(
 /// for this line returned.
 ///
 /// ```c
-/// if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
-///     puts("no room for a name");
+/// olp_add_string(&encoder, "name", "Kitchen lamp");
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
@@ -78,9 +77,8 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
     unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
-/// Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL.
-///
-/// Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+/// Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL. `OLP_RC_ERROR_GENERIC` is returned
+/// also when length is negative.
 ///
 /// ```c
 /// olp_add_bytes(&encoder, "serial", in, 4);
@@ -96,10 +94,8 @@ pub unsafe extern "C" fn olp_add_bytes(
     unsafe { add(encoder, name, bytes_of(text, length), add_text) }
 }
 
-/// Adds a value that is encoded already, such as one of a received line: unchanged.
-///
-/// Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
-/// without its two digits.
+/// Adds a value that is encoded already, such as one of a received line: unchanged. Returns what `olp_add_bytes` does;
+/// `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%` without its two digits.
 ///
 /// ```c
 /// olp_add_raw(&encoder, "t", param.value, param.value_length);
@@ -127,10 +123,8 @@ pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_c
 }
 
 /// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
-/// the even digit when two are.
-///
-/// Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
-/// `OLP_DECIMALS_MAX`.
+/// the even digit when two are. Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or
+/// decimals not 0 to `OLP_DECIMALS_MAX`.
 ///
 /// ```c
 /// olp_add_float(&encoder, "temp", 21.5f, 2);

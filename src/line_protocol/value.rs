@@ -29,9 +29,8 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
 }
 
 /// Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
-/// that is nearest. Infinities and NaNs are no such numbers.
-///
-/// Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
+/// that is nearest. Infinities and NaNs are no such numbers. Returns what `olp_value_int` does; `OLP_RC_RANGE` when the
+/// number is beyond the largest float.
 ///
 /// ```c
 /// if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
