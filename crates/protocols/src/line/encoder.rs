@@ -6,14 +6,11 @@
 use super::checksum::fletcher16;
 use super::integer::Integer;
 use crate::bytes::zeros;
-use crate::decimal;
+use crate::decimal::{self, DECIMALS_MAX};
 use core::mem::take;
 
 /// Bytes of the longest line that a PC sends, with its checksum and its end.
 pub const COMMAND_MAX: usize = 64;
-
-/// Most decimals that a float can be written with.
-pub const DECIMALS_MAX: u8 = decimal::DECIMALS_MAX;
 
 /// The bits that infinities and NaNs have in common.
 const INFINITE: u32 = 0x7F80_0000;

@@ -28,8 +28,9 @@ mod message;
 mod receiver;
 mod value;
 
+pub use crate::decimal::DECIMALS_MAX;
 pub use checksum::{EMPTY_SUM, fletcher16, fletcher16_more};
-pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
+pub use encoder::{COMMAND_MAX, EncodeError, Encoder};
 pub use integer::{Integer, IntegerText};
 pub use message::{Checksum, Malformed, Message, Param, Params};
 pub use receiver::{Received, Receiver};

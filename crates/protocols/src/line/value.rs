@@ -97,11 +97,7 @@ impl<'a> Value<'a> {
         if self.0.len() != 4 {
             return None;
         }
-        let mut word = 0;
-        for byte in self.0 {
-            word = word << 4 | u16::from(digit(*byte)?);
-        }
-        Some(word)
+        self.0.iter().try_fold(0, |word, byte| Some(word << 4 | u16::from(digit(*byte)?)))
     }
 
     /// Reads a decimal number, such as `-1000.00` or `1e3`, as the nearest `f32`; a tie goes to the even one.

@@ -110,10 +110,7 @@ impl Lines {
 
     /// Ends a line by t, the command's if it answers one that has one, and id.
     fn end_with_id(&self, line: &mut Encoder, answers: bool, id: &[u8]) -> usize {
-        let mut t = self.next;
-        if answers {
-            t = self.request.t;
-        }
+        let t = if answers { self.request.t } else { self.next };
         if !answers || self.request.has_t != 0 {
             line.number(b"&t=", t.into());
         }

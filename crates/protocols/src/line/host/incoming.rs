@@ -205,12 +205,13 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             self.link.checksum = 1;
             self.pending.set(Pending::Linksetup);
         }
-        if slot.is_waiting() {
-            let handle = slot.handle;
-            // A line that falls apart is reported more than once, and of several commands it is not known which was
-            // damaged: a device that does not recognise repeats would execute one twice.
-            let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent() == 1;
-            self.retransmit_now(handle, certain, now);
+        // A line that falls apart is reported more than once, and of several commands it is not known which was damaged:
+        // a device that does not recognise repeats would execute one twice.
+        let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent() == 1;
+        let safe = certain || slot.is_linksetup();
+        if slot.is_waiting() && safe && slot.may_be_repeated(&self.settings, self.counter.advanced, now) {
+            slot.retransmit();
+            count(&mut self.health.repeats);
         }
     }
 

@@ -12,7 +12,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         for _ in 0..WINDOW {
             let Some(slot) = self.next_to_send().and_then(|index| self.slots.get_mut(index)) else { break };
             let (first, handle) = (slot.is_queued(), slot.handle);
-            if !first && !slot.is_linksetup() && !slot.is_recent(now, self.settings.repeat(), self.counter.advanced) {
+            if !first && !slot.is_linksetup() && !slot.is_recent(self.settings.repeat(), self.counter.advanced, now) {
                 // It had to wait for others until the device may have forgotten it.
                 self.end(handle, Outcome::TimedOut);
                 continue;

@@ -4,7 +4,7 @@
 use zerocopy::FromBytes;
 
 use super::{COMMAND_MAX, Host, ID_MAX, Session, SetupFields};
-use crate::line::{EncodeError, Encoder};
+use crate::line::Encoder;
 
 /// Why a command was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,10 +164,7 @@ fn setup_line(room: &mut [u8; COMMAND_MAX], fields: SetupFields) -> Result<usize
     if let Some(checksum) = checksum {
         encoder.text(b"checksum", if checksum { b"fletcher16" } else { b"none" });
     }
-    if encoder.error() == Some(EncodeError::TooLong) {
-        return Err(QueueError::TooLong);
-    }
-    Ok(encoder.length())
+    encoder.error().map_or(Ok(encoder.length()), |_| Err(QueueError::TooLong))
 }
 
 #[cfg(test)]

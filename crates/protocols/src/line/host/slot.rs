@@ -2,7 +2,7 @@
 
 use zerocopy::{FromBytes, TryFromBytes};
 
-use super::{Outcome, QueueError, SetupFields};
+use super::{Outcome, QueueError, Settings, SetupFields};
 use crate::line::encoder::{is_name, is_param_name};
 use crate::line::message::same;
 use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
@@ -238,8 +238,14 @@ impl Slot {
         if self.is_waiting() && !(acks && self.is_acked()) { self.length.into() } else { 0 }
     }
 
+    /// Whether it may be sent once more.
+    pub(super) fn may_be_repeated(&self, settings: &Settings, advanced: u32, now: u32) -> bool {
+        let recent = self.is_recent(settings.repeat(), advanced, now);
+        self.transmission.sent() <= settings.repeats() && (recent || self.is_linksetup())
+    }
+
     /// Whether it is so little since it was sent first that the device still remembers it.
-    pub(super) fn is_recent(&self, now: u32, span: u32, advanced: u32) -> bool {
+    pub(super) fn is_recent(&self, span: u32, advanced: u32, now: u32) -> bool {
         let within = left(now, self.first_at, span.saturating_add(1)) > 0;
         within && advanced.wrapping_sub(self.mark) < 128
     }

@@ -33,7 +33,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             } else {
                 answer_overdue = true;
             }
-            if !(safe && self.may_retransmit(slot, now)) {
+            if !(safe && slot.may_be_repeated(&self.settings, self.counter.advanced, now)) {
                 self.give_up(handle);
             } else if let Some(slot) = self.slot(handle) {
                 slot.retransmit();
@@ -46,21 +46,6 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         if answer_overdue {
             self.answers.back_off();
         }
-    }
-
-    /// Retransmits a command at once, as the device asks for, when it may be.
-    pub(super) fn retransmit_now(&mut self, handle: u16, certain: bool, now: u32) {
-        let found = self.slots.iter().find(|slot| slot.is_out() && slot.handle == handle);
-        let may = found.is_some_and(|slot| (certain || slot.is_linksetup()) && self.may_retransmit(slot, now));
-        if let Some(slot) = self.slot(handle).filter(|_| may) {
-            slot.retransmit();
-            count(&mut self.health.repeats);
-        }
-    }
-
-    fn may_retransmit(&self, slot: &Slot, now: u32) -> bool {
-        let recent = slot.is_recent(now, self.settings.repeat(), self.counter.advanced);
-        slot.transmission.sent() <= self.settings.repeats() && (recent || slot.is_linksetup())
     }
 
     /// The command that is out and has that handle.
