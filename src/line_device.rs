@@ -197,8 +197,7 @@ pub struct DeviceHealth {
 
 /// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
 ///
-/// table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
-/// unchanged, as long as the device is used.
+/// table's counts, texts and functions, which take usr, are right, and stay there unchanged while device is used.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
 /// when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
@@ -229,8 +228,7 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
 /// connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero.
 ///
 /// ```c
-/// if (was_reconnected())
-///     olp_device_restart(&device);
+/// olp_device_restart(&device);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {

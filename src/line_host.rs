@@ -63,12 +63,10 @@ use deltarobot_export::export;
 use deltarobot_protocols::line::host::{self, QueueError};
 use zerocopy::{transmute_mut, transmute_ref};
 
-pub mod event;
-mod types;
+pub mod types;
 
-use event::{LineHostEvent, write_event};
-pub use types::{Device, Health, Link, Settings};
-use types::{copy_text, link_of};
+pub use types::{Device, Health, LineHostEvent, Link, Settings};
+use types::{copy_text, link_of, write_event};
 
 /// Longest id that a device in the table may have.
 pub const OLP_HOST_ID_MAX: c_int = 15;
@@ -167,8 +165,7 @@ pub unsafe extern "C" fn olp_host_setup(
 /// empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
 ///
 /// ```c
-/// if (olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg") == -OLP_RC_BUSY)
-///     puts("first, events have to be fetched");
+/// int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_send(

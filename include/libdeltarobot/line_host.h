@@ -278,8 +278,7 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
  *
  * ```c
- * if (olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg") == -OLP_RC_BUSY)
- *     puts("first, events have to be fetched");
+ * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  * ```
  */
 int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED("olp_host_send");

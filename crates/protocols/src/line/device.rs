@@ -227,8 +227,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         (written, fault)
     }
 
-    /// Ends an event: adds id, t and the end of the line. Its length, or 0 when there is an error in it; then it does
-    /// not count.
+    /// Ends an event by id, t and the line's end. Its length; 0, and it does not count, when there is an error in it.
     pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> usize {
         let length = self.lines.end_with_t(event, id);
         if length != 0 {

@@ -27,8 +27,7 @@ pub enum EncodeError {
     TooLong = 9,
     /// A float is not finite, or is to have too many decimals.
     Range = 10,
-    /// A name is empty or has bytes that are not of `[A-Za-z0-9_]`, or a parameter is named `s`, as the checksum is:
-    /// boards take the first one for it.
+    /// A name is empty or not of `[A-Za-z0-9_]`, or a parameter's is `s`: boards take the first `s` for the checksum.
     Name = 13,
 }
 
@@ -135,8 +134,7 @@ impl<'a> Encoder<'a> {
         self.put_all(value.write(&mut zeros()));
     }
 
-    /// Adds a float as `printf("%.*f")` writes it: with 0 to [`DECIMALS_MAX`] decimals, rounded to the nearest number
-    /// that has so many; a tie goes to the even digit.
+    /// Adds a float as `printf("%.*f")` writes it: with up to [`DECIMALS_MAX`] decimals, a tie to the even digit.
     pub fn float(&mut self, name: &[u8], value: f32, decimals: u8) -> &mut Self {
         self.text(name, b"").fixed(value, decimals)
     }

@@ -20,8 +20,7 @@ pub struct Message<'a> {
     pub checksum: Checksum,
 }
 
-/// What a line says about its own intactness: by the first parameter `s`, which is its last (section "Link Setup
-/// command"). Boards look for the first, so one before the checksum makes a line wrong here as it does there.
+/// What a line says about its intactness by the first `s`, its last parameter, as boards do ("Link Setup command").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Checksum {
     /// Nothing.

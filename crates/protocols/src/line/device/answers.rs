@@ -106,8 +106,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         &mut self.newest_slot().text
     }
 
-    /// Keeps the answer begun last, which has become that long, for repeats of the command. A sum of 0, which no line
-    /// has, is that of one that is not to be found.
+    /// Keeps the answer begun last, of that length, for repeats. By a sum of 0, which no line has, it is not found.
     pub(super) fn keep(&mut self, t: u8, sum: u16, length: usize) {
         self.fresh = 1;
         let slot = self.newest_slot();

@@ -23,8 +23,7 @@ pub enum LinkLine {
     Answer(Fault),
 }
 
-/// Why a line is not answered as its sender wished: the code of an `onerror`. To repeat a command helps against the
-/// first three; the others answer one that was received intact.
+/// Why a line is not answered as wished: an `onerror`'s code. Repeating a command helps against the first three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The line's checksum is wrong, or there is none and should be.

@@ -189,8 +189,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }
     }
 
-    /// The device has received something that it can't read, or not all of something. What that was, it can't know:
-    /// probably the oldest command that it has said nothing about.
+    /// The device has received damage: probably of the oldest command that it has said nothing about.
     fn damaged(&mut self, by_checksum: bool, now: u32) {
         let link = self.link;
         let needed = link.acks();
@@ -245,8 +244,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     }
 }
 
-/// The parameter `t` or `id`, if the line is in one piece and there is no second of either: where an end was damaged,
-/// what is said about one command would be taken for what is said about another.
+/// The parameter `t` or `id`, if the line is in one piece: damaged ends would mix what is said about two commands.
 fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
     message.get(name).filter(|_| !is_torn(message) && !is_joined(message))
 }

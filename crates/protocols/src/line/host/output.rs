@@ -56,8 +56,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         0
     }
 
-    /// Where the command is that is to be sent next, retransmissions first; `None` while it does not fit the device's
-    /// receive buffer beside those that may still lie there.
+    /// Where the next command to send is, retransmissions first; `None` while the device's receive buffer has no room.
     pub(super) fn next_to_send(&self) -> Option<usize> {
         let any_due = self.slots.iter().any(Slot::is_due);
         let slots = self.slots.iter().enumerate();

@@ -12,8 +12,7 @@ pub struct Settings {
     pub timeout_ms: u32,
     /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: u32,
-    /// How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-    /// time that a line may be on its way, a device has to remember which commands it has executed.
+    /// How long after a command was first sent it may be sent again; 0: 4000. A device has to remember it for longer.
     pub repeat_ms: u32,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: i16,
@@ -56,8 +55,7 @@ impl Settings {
     }
 }
 
-/// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
-/// one command at a time (section "Link Setup command").
+/// What is in force on a link, as known; all zero: no acks, no checksums, a window of 1 ("Link Setup command").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
 pub struct Link {
     pub(super) ack: u8,

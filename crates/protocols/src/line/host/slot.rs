@@ -184,8 +184,7 @@ impl Slot {
         (self.since, self.delay) = (now, 0);
     }
 
-    /// An older command has ended, of which that was the last of so many lines. If it was sent once more behind this
-    /// one, it may have been executed behind it.
+    /// An older command has ended. If its last line was behind the first of this one, it may have been executed behind.
     pub(super) fn older_ended(&mut self, last_line: u32, newest: u32) {
         if newest.wrapping_sub(last_line) < newest.wrapping_sub(self.first_line) {
             self.overtaken = self.overtaken.saturating_add(1);
