@@ -64,7 +64,6 @@ mod counter;
 mod estimator;
 mod event;
 mod incoming;
-mod output;
 mod queue;
 mod settings;
 mod slot;
@@ -289,11 +288,8 @@ mod tests {
                     told.push(format!("{event:?}"));
                 }
                 let mut line = [0; COMMAND_MAX];
-                for _ in 0..100 {
-                    match host.output(&mut line, COMMAND_MAX, 0) {
-                        0 => break,
-                        length => told.push(String::from_utf8(line[..length].to_vec()).unwrap()),
-                    }
+                while let length @ 1.. = host.output(&mut line, COMMAND_MAX, 0) {
+                    told.push(String::from_utf8(line[..length].to_vec()).unwrap());
                 }
                 if rest.is_empty() {
                     break;

@@ -211,22 +211,12 @@ mod tests {
 
     #[test]
     fn floats() {
-        for (raw, number) in [
-            ("110.44", 110.44),
-            ("-1000.00", -1000.0),
-            ("  3.50", 3.5),
-            ("+1.5+", 1.5),
-            ("%2B1.5", 1.5),
-            ("1e%2B3", 1000.0),
-            ("1e+3", 1000.0),
-            ("-0.0", -0.0),
-            ("1e-50", 0.0),
-            ("-1e-50", -0.0),
-            (".5", 0.5),
-            ("5.", 5.0),
-        ] {
-            assert_eq!(value(raw).float().map(f32::to_bits), Ok(f32::to_bits(number)), "{raw}");
+        for raw in ["110.44", "-1000.00", "-0.0", "1e-50", "-1e-50", ".5", "5."] {
+            let number: f32 = raw.parse().unwrap();
+            assert_eq!(value(raw).float().map(f32::to_bits), Ok(number.to_bits()), "{raw}");
         }
+        let decoded = ["  3.50", "+1.5+", "%2B1.5", "1e%2B3", "1e+3"].map(|raw| value(raw).float());
+        assert_eq!(decoded, [3.5, 1.5, 1.5, 1000.0, 1000.0].map(Ok));
         for raw in ["", ".", "-", "nan", "inf", "1e", "1e+", "1.5x", "1.5.", "1,5", "- 1", "0x1p3", "1e99x"] {
             assert_eq!(value(raw).float(), Err(NumberError::Malformed), "{raw}");
         }
