@@ -52,10 +52,8 @@ use deltarobot_protocols::line::{Receiver, Value};
 use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 mod serve;
-mod table;
 
-use serve::{is_welcomed, send, serve};
-use table::{check, device_of};
+use serve::{check, device_of, is_welcomed, send, serve};
 
 /// Length of the longest id that a device behind a link may have.
 pub const OLP_ID_MAX: c_int = 10;
@@ -225,7 +223,7 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
 }
 
 /// Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
-/// connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all zero.
+/// connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made.
 ///
 /// ```c
 /// olp_device_restart(&device);
@@ -243,8 +241,8 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
 
 /// Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
 /// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
-/// be unanswered, 1 to `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or all
-/// zero, or window out of range.
+/// be unanswered, 1 to `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was
+/// not made, or window out of range.
 ///
 /// ```c
 /// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
@@ -274,9 +272,8 @@ pub unsafe extern "C" fn olp_device_linksetup(
 /// `now_ms` makes no difference, as `olp_device_poll` has the time. Not for interrupts that may come during another
 /// call on the same device.
 ///
-/// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
-/// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
-/// and bytes is not 0.
+/// Returns how many bytes were taken, the rest being for after the next `olp_device_poll`; -`OLP_RC_ERROR_GENERIC` when
+/// device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -303,9 +300,8 @@ pub unsafe extern "C" fn olp_device_receive(
 /// Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
 ///
 /// Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
-/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
-/// `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
-/// `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made; and when a
+/// command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
 ///
 /// ```c
 /// while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
@@ -327,9 +323,8 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
 /// are added here. Its buffer is the caller's, as long as the line may be, and still there.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
-/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
-/// when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
-/// sent then.
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made, or it has no such id; or, when the event can't
+/// be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
 ///
 /// ```c
 /// olp_begin(&event, text, sizeof text, "heaterinfo");

@@ -121,7 +121,5 @@ pub struct LineEncoder {
     pub(super) error: c_int,
 }
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
-const _: () = {
+const _: () =
     assert!(OLP_COMMAND_MAX as usize == line::COMMAND_MAX && OLP_DECIMALS_MAX as usize == line::DECIMALS_MAX as usize);
-};
