@@ -18,7 +18,6 @@ use core::ptr::null;
 
 use deltarobot_protocols::line;
 
-pub mod checksum;
 pub mod encoder;
 pub mod message;
 pub mod receiver;

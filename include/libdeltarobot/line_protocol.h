@@ -125,27 +125,6 @@ struct olp_line {
 };
 
 /**
- * The checksum of the protocol, Fletcher-16 in ones' complement: the second sum in bits 8 to 15, the first in bits 0
- * to 7. Both begin at 255, and neither is ever 0: of no bytes it is 0xFFFF, of a NULL pointer or a negative length
- * too.
- *
- * ```c
- * printf("%04x\n", olp_fletcher16(line.text, line.length));
- * ```
- */
-unsigned int olp_fletcher16(const void *bytes, int length);
-
-/**
- * The checksum of bytes whose beginning has the checksum sum, as far as that has 16 bits: 0xFFFF when there is none.
- * It is sum itself when bytes is NULL or length not positive.
- *
- * ```c
- * printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
- * ```
- */
-unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
-
-/**
  * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there
  * until the line is finished; command is NULL or a string.
  *
@@ -256,6 +235,27 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * ```
  */
 int olp_finish(struct olp_encoder *encoder, int checksum);
+
+/**
+ * The checksum of the protocol, Fletcher-16 in ones' complement: the second sum in bits 8 to 15, the first in bits 0
+ * to 7. Both begin at 255, and neither is ever 0: of no bytes it is 0xFFFF, of a NULL pointer or a negative length
+ * too.
+ *
+ * ```c
+ * printf("%04x\n", olp_fletcher16(line.text, line.length));
+ * ```
+ */
+unsigned int olp_fletcher16(const void *bytes, int length);
+
+/**
+ * The checksum of bytes whose beginning has the checksum sum, as far as that has 16 bits: 0xFFFF when there is none.
+ * It is sum itself when bytes is NULL or length not positive.
+ *
+ * ```c
+ * printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
+ * ```
+ */
+unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
 
 /**
  * Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter

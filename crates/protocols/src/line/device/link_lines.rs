@@ -179,18 +179,7 @@ mod tests {
         assert_ne!(device.write(LinkLine::Setup, &id, &mut room), 0);
         device.lines.next = 255;
         assert_ne!(device.write(LinkLine::SetupAnswer, &id, &mut room), 0);
-        for fault in [
-            Fault::Checksum,
-            Fault::Overflow,
-            Fault::Malformed,
-            Fault::UnknownId,
-            Fault::UnknownCommand,
-            Fault::Refused,
-            Fault::TooLong,
-        ] {
-            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut room), 0);
-            // In place of an answer, whatever that may have.
-            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut [0; 64]), 0);
-        }
+        // The longest code, in place of an answer, whatever room that may have.
+        assert_ne!(device.write(LinkLine::Answer(Fault::UnknownCommand), &id, &mut [0; 64]), 0);
     }
 }

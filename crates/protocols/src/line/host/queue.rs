@@ -47,7 +47,8 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
         }
         let slot = slots.iter_mut().find(|slot| slot.is_free()).ok_or(QueueError::Busy)?;
         let order = session.order.wrapping_add(1);
-        slot.queue(command, id, checksum, order, handle)?;
+        slot.queue(command, id, checksum)?;
+        (slot.order, slot.handle) = (order, handle);
         if slot.is_linksetup()
             && let Some(asked) = slot.asks_for()
         {
@@ -239,7 +240,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let id = wanted.id.get(..wanted.id_length.into()).unwrap_or_default();
         let Some(slot) = self.slots.iter_mut().find(|slot| slot.is_free()) else { return };
         // What does not fit, with an id that is too long, is not asked for.
-        let _ = slot.queue(room.get(..length).unwrap_or_default(), id, checksum, order, OWN_HANDLE);
+        let _ = slot.queue(room.get(..length).unwrap_or_default(), id, checksum);
+        (slot.order, slot.handle) = (order, OWN_HANDLE);
     }
 }
 

@@ -118,14 +118,7 @@ impl Slot {
     }
 
     /// Takes a command in, if there is none: on errors there is none still.
-    pub(super) fn queue(
-        &mut self,
-        command: &[u8],
-        id: &[u8],
-        checksum: bool,
-        order: u32,
-        handle: u16,
-    ) -> Result<(), QueueError> {
+    pub(super) fn queue(&mut self, command: &[u8], id: &[u8], checksum: bool) -> Result<(), QueueError> {
         let message = Message::parse(command).ok().filter(is_strict).ok_or(QueueError::Malformed)?;
         if id.is_empty() {
             return Err(QueueError::Malformed);
@@ -150,7 +143,6 @@ impl Slot {
         self.stage = QUEUED;
         self.transmission.restart();
         self.overtaken = 0;
-        (self.order, self.handle) = (order, handle);
         Ok(())
     }
 
@@ -329,7 +321,7 @@ mod tests {
 
     fn queued(command: &[u8], id: &[u8], checksum: bool) -> Result<Slot, QueueError> {
         let mut slot = Slot::new_zeroed();
-        slot.queue(command, id, checksum, 1, 1)?;
+        slot.queue(command, id, checksum)?;
         assert!(slot.is_queued());
         Ok(slot)
     }
