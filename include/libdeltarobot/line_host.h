@@ -142,8 +142,7 @@ struct olp_host_settings {
   /** How often a command may be retransmitted; 0: 3; below 0: never. */
   int repeats;
   /**
-   * Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to), so that they are
-   * retransmitted without acks, after their ack, and as soon as the device reports damage.
+   * Not 0: the device recognises repeats, as `olp_device` does: sent also without acks, after an ack, and on damage.
    */
   int recognises;
   /** The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known. */

@@ -34,16 +34,16 @@
 //!
 //! A repeat can be recognised only while the device remembers the command. Therefore none is sent later than
 //! [`Settings::repeat_ms`] or after 128 other messages, and no new command has the number and the words of one of the
-//! last 64. But a program that has just started does not know these: it should begin with a `linksetup`, at which a
-//! device forgets what it remembers. That travels alone: it waits until all before it have ended, and all behind it
-//! until it has.
+//! last 64. A program that has just started does not know these, and should begin with a `linksetup`, at which a device
+//! forgets what it remembers. That travels alone: it waits until all before it have ended, and all behind it until it
+//! has.
 //!
 //! # What can be relied on
 //!
-//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried
-//! out twice; answered means executed once, refused means not at all, but for the damaged lines whose checksum is right
-//! by chance, one in some 65000. Without checksums a command may be executed otherwise than it was sent; without acks,
-//! the answer to a command that has timed out may count for the next one with that name and id, if it comes then.
+//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried out
+//! twice; answered means executed once, refused not at all, but for damaged lines whose checksum is right by chance,
+//! one in some 65000. Without checksums a command may be executed otherwise than it was sent; without acks, the answer
+//! to one that has timed out may count for the next with that name and id, if it comes then.
 //!
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};

@@ -170,12 +170,10 @@ mod tests {
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(0), false));
         let line = "c=welcome&type=Ozeki3DPrinterDisc&id=OZPDSC";
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(1), false));
-        let device = &devices.all()[0];
-        assert_eq!(texts(device), ["M1F910", "OzekiTemperatureController", "Heater Ext1", "1.0.0"]);
-        assert_eq!((device.pos, device.cut), (6, 0));
-        let device = &devices.all()[1];
-        assert_eq!((texts(device), device.pos), (["OZPDSC", "Ozeki3DPrinterDisc", "", ""].map(String::from), 0));
-        assert_eq!(devices.all().len(), 2);
+        let [heater, disc] = devices.all() else { panic!("there are two") };
+        assert_eq!(texts(heater), ["M1F910", "OzekiTemperatureController", "Heater Ext1", "1.0.0"]);
+        assert_eq!(texts(disc), ["OZPDSC", "Ozeki3DPrinterDisc", "", ""]);
+        assert_eq!((heater.pos, heater.cut, disc.pos), (6, 0, 0));
     }
 
     #[test]
