@@ -239,10 +239,9 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
     }
 }
 
-/// Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
-/// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
-/// be unanswered, 1 to `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was
-/// not made, or window out of range.
+/// Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
+/// (behind the welcomes). ack and checksum: 0 off, else on. window: how many commands may be unanswered, 1 to
+/// `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for another window or a device not made.
 ///
 /// ```c
 /// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
@@ -276,9 +275,7 @@ pub unsafe extern "C" fn olp_device_linksetup(
 /// device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
-///     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+/// int taken = olp_device_receive(&device, in, length, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_receive(

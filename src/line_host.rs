@@ -118,9 +118,8 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
     OLP_RC_SUCCESS
 }
 
-/// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
-/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns what
-/// `olp_host_send` does.
+/// Queues a `linksetup`, which says what shall be in force on the link (section "Link Setup command"). Any device takes
+/// it; the page names the one of type `OzekiIDManager`. Returns what `olp_host_send` does.
 ///
 /// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
 /// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -188,9 +187,7 @@ pub unsafe extern "C" fn olp_host_send(
 /// and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; handle_events(&host))
-///     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+/// int taken = olp_host_receive(&host, in, length, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
@@ -238,8 +235,7 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 /// -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
-///     uart_write(&uart, out, length);
+/// length = olp_host_output(&host, out, sizeof out, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
@@ -281,9 +277,8 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes. Returns
-/// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or `OLP_RC_ERROR_GENERIC` when a
-/// pointer is NULL.
+/// Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+/// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_device device;

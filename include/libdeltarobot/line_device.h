@@ -194,10 +194,9 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
 int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart");
 
 /**
- * Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
- * (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
- * be unanswered, 1 to `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was
- * not made, or window out of range.
+ * Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
+ * (behind the welcomes). ack and checksum: 0 off, else on. window: how many commands may be unanswered, 1 to
+ * `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for another window or a device not made.
  *
  * ```c
  * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
@@ -215,9 +214,7 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
  * device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
- *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+ * int taken = olp_device_receive(&device, in, length, now_ms());
  * ```
  */
 int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)

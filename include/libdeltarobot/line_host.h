@@ -244,9 +244,8 @@ struct olp_host_health {
 int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED("olp_host_init");
 
 /**
- * Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
- * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`. Returns what
- * `olp_host_send` does.
+ * Queues a `linksetup`, which says what shall be in force on the link (section "Link Setup command"). Any device takes
+ * it; the page names the one of type `OzekiIDManager`. Returns what `olp_host_send` does.
  *
  * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
  * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
@@ -290,9 +289,7 @@ int olp_host_send(struct olp_host *host, const char *command, int length, const 
  * and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_events(&host))
- *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+ * int taken = olp_host_receive(&host, in, length, now_ms());
  * ```
  */
 int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
@@ -322,8 +319,7 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
- *     uart_write(&uart, out, length);
+ * length = olp_host_output(&host, out, sizeof out, now_ms());
  * ```
  */
 int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED("olp_host_output");
@@ -352,9 +348,8 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
- * Copies what is known of a device that has signed in; index, its place in the table from 0 up, never changes. Returns
- * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or `OLP_RC_ERROR_GENERIC` when a
- * pointer is NULL.
+ * Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+ * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_device device;

@@ -143,9 +143,8 @@ struct olp_line {
 int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *command);
 
 /**
- * Like `olp_begin`, for a line that a PC sends: it has at most `OLP_COMMAND_MAX` bytes, its checksum and its line feed
- * counted, and no more than the buffer. Of one that is too long, parameters that the device does not need have to be
- * left out.
+ * Like `olp_begin`, for a line that a PC sends: of at most `OLP_COMMAND_MAX` bytes, checksum and line feed counted,
+ * and no more than the buffer. If it is too long, leave out parameters that the device does not need.
  *
  * ```c
  * char text[OLP_COMMAND_MAX];
@@ -174,8 +173,7 @@ int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const cha
 int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
 
 /**
- * Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL. `OLP_RC_ERROR_GENERIC` is returned
- * also when length is negative.
+ * Like `olp_add_string`, for length bytes, zero bytes among them; `OLP_RC_ERROR_GENERIC` also when length is negative.
  *
  * ```c
  * olp_add_bytes(&encoder, "serial", in, 4);
@@ -203,9 +201,8 @@ int olp_add_raw(struct olp_encoder *encoder, const char *name, const char *value
 int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 
 /**
- * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
- * the even digit when two are. Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or
- * decimals not 0 to `OLP_DECIMALS_MAX`.
+ * Adds a float as `printf("%.*f", decimals, value)` writes it, a tie rounded to the even digit. Returns what
+ * `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to `OLP_DECIMALS_MAX`.
  *
  * ```c
  * olp_add_float(&encoder, "temp", 21.5f, 2);
@@ -309,16 +306,13 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_ini
 
 /**
  * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
- * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
- * has come.
+ * empty ones are passed over. One longer than `OLP_LINE_MAX` is lost: `OLP_LINE_OVERLONG` when its end has come.
  *
  * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
  * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
  *
  * ```c
  * int taken = olp_receive(&receiver, in, length, &line);
- * if (line.kind == OLP_LINE_COMPLETE)
- *     puts(line.text);
  * ```
  */
 int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
@@ -340,9 +334,8 @@ int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struc
 int olp_value_int(const struct olp_param *param, long *value);
 
 /**
- * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
- * that is nearest. Infinities and NaNs are no such numbers. Returns what `olp_value_int` does; `OLP_RC_RANGE` when the
- * number is beyond the largest float.
+ * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the
+ * nearest float, no infinity or NaN. Returns what `olp_value_int` does; `OLP_RC_RANGE` beyond the largest float.
  *
  * ```c
  * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
@@ -369,8 +362,7 @@ int olp_value_string(const struct olp_param *param, char *buf, int cap);
  * Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
  *
  * ```c
- * if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
- *     puts("a device has started");
+ * int has_started = olp_value_is(&param, "welcome");
  * ```
  */
 int olp_value_is(const struct olp_param *param, const char *text);

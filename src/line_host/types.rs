@@ -77,7 +77,7 @@ pub(super) fn write_event(event: &mut LineHostEvent, happened: &Event<'_>) {
         }
         Event::Ended(handle, outcome, message) => {
             event.handle = (*handle).cast_signed().into();
-            event.outcome = outcome_of(*outcome);
+            event.outcome = (*outcome as u8).into();
             (OLP_HOST_ENDED, message.as_ref())
         }
         Event::Line(message) => (OLP_HOST_LINE, Some(message)),
@@ -114,15 +114,12 @@ fn place_of(listed: Listed) -> (c_int, c_int) {
     }
 }
 
-const fn outcome_of(outcome: Outcome) -> c_int {
-    match outcome {
-        Outcome::Answered => OLP_HOST_ANSWERED,
-        Outcome::Refused => OLP_HOST_REFUSED,
-        Outcome::TimedOut => OLP_HOST_TIMED_OUT,
-        Outcome::Restarted => OLP_HOST_RESTARTED,
-        Outcome::TooLong => OLP_HOST_NOT_SENT,
-    }
-}
+// The codes of C are those of the core.
+const _: () = {
+    assert!(OLP_HOST_ANSWERED == Outcome::Answered as c_int && OLP_HOST_REFUSED == Outcome::Refused as c_int);
+    assert!(OLP_HOST_TIMED_OUT == Outcome::TimedOut as c_int && OLP_HOST_RESTARTED == Outcome::Restarted as c_int);
+    assert!(OLP_HOST_NOT_SENT == Outcome::TooLong as c_int);
+};
 
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
 #[derive(Debug)]

@@ -37,9 +37,8 @@ pub unsafe extern "C" fn olp_begin(
     unsafe { begin(encoder, buf, cap, c_int::MAX, command) }
 }
 
-/// Like `olp_begin`, for a line that a PC sends: it has at most `OLP_COMMAND_MAX` bytes, its checksum and its line feed
-/// counted, and no more than the buffer. Of one that is too long, parameters that the device does not need have to be
-/// left out.
+/// Like `olp_begin`, for a line that a PC sends: of at most `OLP_COMMAND_MAX` bytes, checksum and line feed counted,
+/// and no more than the buffer. If it is too long, leave out parameters that the device does not need.
 ///
 /// ```c
 /// char text[OLP_COMMAND_MAX];
@@ -77,8 +76,7 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
     unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
-/// Like `olp_add_string`, for length bytes, zero bytes among them; text may be NULL. `OLP_RC_ERROR_GENERIC` is returned
-/// also when length is negative.
+/// Like `olp_add_string`, for length bytes, zero bytes among them; `OLP_RC_ERROR_GENERIC` also when length is negative.
 ///
 /// ```c
 /// olp_add_bytes(&encoder, "serial", in, 4);
@@ -122,9 +120,8 @@ pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_c
     unsafe { add(encoder, name, Some(value.write(&mut zeros())), add_text) }
 }
 
-/// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
-/// the even digit when two are. Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or
-/// decimals not 0 to `OLP_DECIMALS_MAX`.
+/// Adds a float as `printf("%.*f", decimals, value)` writes it, a tie rounded to the even digit. Returns what
+/// `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to `OLP_DECIMALS_MAX`.
 ///
 /// ```c
 /// olp_add_float(&encoder, "temp", 21.5f, 2);

@@ -28,9 +28,8 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
     unsafe { store(value_of(param).map(Value::int), value) }
 }
 
-/// Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
-/// that is nearest. Infinities and NaNs are no such numbers. Returns what `olp_value_int` does; `OLP_RC_RANGE` when the
-/// number is beyond the largest float.
+/// Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the
+/// nearest float, no infinity or NaN. Returns what `olp_value_int` does; `OLP_RC_RANGE` beyond the largest float.
 ///
 /// ```c
 /// if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
@@ -61,8 +60,7 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
 /// Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
 ///
 /// ```c
-/// if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
-///     puts("a device has started");
+/// int has_started = olp_value_is(&param, "welcome");
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_char) -> c_int {

@@ -203,10 +203,8 @@ mod tests {
     fn small_integers() {
         assert_eq!(["0", "255", "256", "-1", "x"].map(|raw| value(raw).byte()), [Some(0), Some(255), None, None, None]);
         assert_eq!(["0", "65535", "65536", "-1"].map(|raw| value(raw).word()), [Some(0), Some(65535), None, None]);
-        assert_eq!(
-            ["d293", "D29f", "d29", "0d293", "null", ""].map(|raw| value(raw).hex()),
-            [Some(0xd293), Some(0xd29f), None, None, None, None]
-        );
+        let hex = ["d293", "D29f", "d29", "0d293", "null", ""].map(|raw| value(raw).hex());
+        assert_eq!(hex, [Some(0xd293), Some(0xd29f), None, None, None, None]);
     }
 
     #[test]

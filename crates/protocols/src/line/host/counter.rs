@@ -165,15 +165,11 @@ mod tests {
     fn a_number_is_not_used_again_for_the_same_command_while_it_may_be_remembered() {
         let mut counter = Counter::new_zeroed();
         counter.sends(0, 7);
-        for t in 1..=255 {
-            assert_eq!(counter.saw(t), 0);
-        }
+        assert!((1..=255).all(|t| counter.saw(t) == 0));
         assert_eq!(counter.choose(|_| Some(8)), Some(0));
         assert_eq!(counter.choose(|_| Some(7)), Some(1));
         counter.sends(1, 7);
-        for _ in 0..super::RECENT {
-            counter.sends(200, 9);
-        }
+        (0..super::RECENT).for_each(|_| counter.sends(200, 9));
         counter.restart();
         assert_eq!(counter.choose(|_| Some(7)), Some(0));
     }

@@ -355,9 +355,8 @@ mod tests {
         assert_eq!(queued(go, b"IqlZci", true).err(), Some(QueueError::TooLong));
         assert_eq!(queued(go, b"IqlZcix", false).err(), Some(QueueError::TooLong));
         assert_eq!(queued(go, &[b'x'; 300], false).err(), Some(QueueError::TooLong));
-        assert_eq!(queued(b"c=linksetup&windowsize=1&ack=on&checksum=fletcher16", b"sf6z34", false).err(), {
-            Some(QueueError::TooLong)
-        });
+        let setup = b"c=linksetup&windowsize=1&ack=on&checksum=fletcher16";
+        assert_eq!(queued(setup, b"sf6z34", false).err(), Some(QueueError::TooLong));
     }
 
     #[test]
