@@ -78,7 +78,7 @@ layouts! {
     olp_host_device = line_host::Device {
         id: [c_char; 16], r#type: [c_char; 48], name: [c_char; 32], version: [c_char; 16], pos: c_int, cut: c_int,
     }
-    olp_host_event = line_host::event::LineHostEvent {
+    olp_host_event = line_host::LineHostEvent {
         kind: c_int, handle: c_int, outcome: c_int, device: c_int, error: c_int, lost: c_int, link: line_host::Link,
         message: line_protocol::LineMessage,
     }

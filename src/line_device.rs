@@ -36,7 +36,6 @@
 //! wrong checksum, missing checksum when one is in force, too long, unreadable
 //!                          onerror with code checksum, overflow or malformed; nothing is executed
 //! ```
-//!
 
 use core::ffi::{c_char, c_int, c_ulong, c_void};
 use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
@@ -44,19 +43,17 @@ use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 use super::line_protocol::encoder::edit;
 use super::line_protocol::{LineEncoder, LineMessage};
 use super::line_protocol::{OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS};
-use super::memory::{bytes_of, duration, int, text_of, time};
+use super::memory::{bytes_of, copy_counters, duration, int, text_of, time};
 use crate::sizes::{OLP_REPLY_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, Word, state};
 use deltarobot_export::export;
-use deltarobot_protocols::line::device::{DeviceLink, Health, ID_MAX, LINE_MAX, Setup};
+use deltarobot_protocols::line::device::{DeviceLink, ID_MAX, LINE_MAX, Setup};
 use deltarobot_protocols::line::{Receiver, Value};
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 mod serve;
-mod table;
 
-use serve::{is_welcomed, send, serve};
-use table::{check, device_of};
+use serve::{check, device_of, is_welcomed, send, serve};
 
 /// Length of the longest id that a device behind a link may have.
 pub const OLP_ID_MAX: c_int = 10;
@@ -93,7 +90,7 @@ pub type LineSendFunc = Option<unsafe extern "C" fn(line: *const c_void, bytes: 
 #[derive(Debug)]
 #[repr(C)]
 pub struct DeviceInfo {
-    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
+    /// 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two have the same.
     pub id: *const c_char,
     /// What it is, e.g. OzekiSwitchController.
     pub r#type: *const c_char,
@@ -132,8 +129,7 @@ pub struct DeviceTable {
     /// Sends a line.
     pub send: LineSendFunc,
     /// For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-    /// stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
-    /// the same t is a new command.
+    /// stands for 5000. It has to be more than the other end waits before it repeats. Later, it is a new command.
     pub repeat_ms: c_ulong,
 }
 
@@ -180,7 +176,7 @@ impl State {
 }
 
 /// How the link does. The counters wrap at 2^32.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct DeviceHealth {
     /// Commands that were received intact, repeats among them.
@@ -199,8 +195,7 @@ pub struct DeviceHealth {
 
 /// Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
 ///
-/// table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
-/// unchanged, as long as the device is used.
+/// table's counts, texts and functions, which take usr, are right, and stay there unchanged while device is used.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
 /// when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
@@ -227,15 +222,11 @@ pub unsafe extern "C" fn olp_device_init(device: *mut Device, table: *const Devi
     }
 }
 
-/// Starts again, as after `olp_device_init`: to be called when another connection is made.
-///
-/// device was made by `olp_device_init` or is all zero.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+/// Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
+/// connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made.
 ///
 /// ```c
-/// if (was_reconnected())
-///     olp_device_restart(&device);
+/// olp_device_restart(&device);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
@@ -248,16 +239,12 @@ pub unsafe extern "C" fn olp_device_restart(device: *mut Device) -> c_int {
     }
 }
 
-/// Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
-/// (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
-/// be unanswered, 1 to `OLP_WINDOW_MAX`.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
-/// window is out of range.
+/// Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
+/// (behind the welcomes). ack and checksum: 0 off, else on. window: how many commands may be unanswered, 1 to
+/// `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for another window or a device not made.
 ///
 /// ```c
-/// if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
-///     olp_device_poll(&device, now_ms());
+/// olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_linksetup(
@@ -281,17 +268,14 @@ pub unsafe extern "C" fn olp_device_linksetup(
 }
 
 /// Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
-/// `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
-/// come during another call on the same device.
+/// `now_ms` makes no difference, as `olp_device_poll` has the time. Not for interrupts that may come during another
+/// call on the same device.
 ///
-/// Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
-/// -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
-/// and bytes is not 0.
+/// Returns how many bytes were taken, the rest being for after the next `olp_device_poll`; -`OLP_RC_ERROR_GENERIC` when
+/// device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
-///     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+/// int taken = olp_device_receive(&device, in, length, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_device_receive(
@@ -310,13 +294,11 @@ pub unsafe extern "C" fn olp_device_receive(
     }
 }
 
-/// Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
-/// firmware's main loop.
+/// Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
 ///
 /// Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
-/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
-/// `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
-/// `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+/// called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made; and when a
+/// command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
 ///
 /// ```c
 /// while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
@@ -334,18 +316,14 @@ pub unsafe extern "C" fn olp_device_poll(device: *mut Device, now_ms: c_ulong) -
     }
 }
 
-/// Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
-/// here. Its buffer is the caller's, and as long as the line may be.
-///
-/// event was begun and its buffer is still there; id is NULL or a string.
+/// Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
+/// are added here. Its buffer is the caller's, as long as the line may be, and still there.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
-/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
-/// when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
-/// sent then.
+/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made, or it has no such id; or, when the event can't
+/// be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
 ///
 /// ```c
-/// char text[OLP_REPLY_MAX];
 /// olp_begin(&event, text, sizeof text, "heaterinfo");
 /// olp_add_float(&event, "temp", 21.5f, 2);
 /// olp_device_event(&device, &event, "M1F910");
@@ -374,9 +352,7 @@ pub unsafe extern "C" fn olp_device_event(device: *mut Device, event: *mut LineE
     }
 }
 
-/// Copies how the link does.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_device_health health;
@@ -389,15 +365,7 @@ pub unsafe extern "C" fn olp_device_get_health(device: *const Device, health: *m
     let (Some(state), Some(health)) = (unsafe { (Device::peek(device), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    let Health { commands, repeats, checksums, malformed, overflows, refused } = *state.link.health();
-    *health = DeviceHealth {
-        commands: commands.into(),
-        repeats: repeats.into(),
-        checksums: checksums.into(),
-        malformed: malformed.into(),
-        overflows: overflows.into(),
-        refused: refused.into(),
-    };
+    copy_counters::<6>(transmute_ref!(state.link.health()), transmute_mut!(health));
     OLP_RC_SUCCESS
 }
 

@@ -25,17 +25,13 @@
 //! }
 //! ```
 //!
-//! handle_event() calls, of the first OLP_HOST_WELCOME,
+//! handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
 //!
 //! ```c
 //! struct olp_host_device device;
 //! if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
 //!     olp_host_setup(&host, device.id, 1, 1, -1);
-//! ```
 //!
-//! and when that has ended as OLP_HOST_ANSWERED
-//!
-//! ```c
 //! int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
 //! ```
 //!
@@ -48,13 +44,11 @@
 //! checksums on             in any case: once or not at all.
 //! ```
 //!
-//! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
-//!
-//! A device that restarts in between may execute a command again, and a damaged line has the right checksum once in
-//! some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
-//! commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no
-//! two of one name and id are out at a time. The order in which commands are executed is that of sending while the
-//! window is 1; in a larger one, retransmitted ones fall behind.
+//! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
+//! may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:
+//! one that is damaged in several places may be believed. Without acks, commands are retransmitted only when the device
+//! asks for it, or the settings say that it recognises repeats, and no two of one name and id are out at a time. They
+//! are executed in the order of sending while the window is 1; in a larger one, retransmitted ones fall behind.
 
 use core::ffi::{c_char, c_int, c_long, c_ulong, c_void};
 
@@ -62,19 +56,17 @@ use super::line_protocol::{
     OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_MALFORMED, OLP_RC_NO_EVENT, OLP_RC_NOT_FOUND, OLP_RC_SUCCESS,
     OLP_RC_TOO_LONG,
 };
-use super::memory::{bytes_of, duration, fill, int, long, short, text_of, time, zero};
+use super::memory::{bytes_of, copy_counters, duration, fill, int, long, short, text_of, time, zero};
 use crate::sizes::{OLP_DEVICES_MAX, OLP_LINE_MAX, OLP_WINDOW_MAX};
 use crate::state::{Room, state};
 use deltarobot_export::export;
 use deltarobot_protocols::line::host::{self, QueueError};
-use deltarobot_protocols::session::RoundTrips;
+use zerocopy::{transmute_mut, transmute_ref};
 
-pub mod event;
-mod types;
+pub mod types;
 
-use event::{LineHostEvent, write_event};
-pub use types::{Device, Health, Link, Settings};
-use types::{copy_text, link_of};
+pub use types::{Device, Health, LineHostEvent, Link, Settings};
+use types::{copy_text, link_of, write_event};
 
 /// Longest id that a device in the table may have.
 pub const OLP_HOST_ID_MAX: c_int = 15;
@@ -97,11 +89,8 @@ pub struct Host {
 // One command more than the caller's.
 state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, { OLP_WINDOW_MAX + 1 }, OLP_DEVICES_MAX>);
 
-/// Begins a session. Memory that is all zero is one too, with the default settings.
-///
-/// settings are copied; NULL stands for the defaults.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+/// Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too. Returns
+/// `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
 ///
 /// ```c
 /// struct olp_host_settings settings = {0};
@@ -129,23 +118,19 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
     OLP_RC_SUCCESS
 }
 
-/// Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
-/// the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+/// Queues a `linksetup`, which says what shall be in force on the link (section "Link Setup command"). Any device takes
+/// it; the page names the one of type `OzekiIDManager`. Returns what `olp_host_send` does.
 ///
 /// ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
 /// left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
 /// first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
 /// the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
 ///
-/// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
-/// a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
-/// forgets them.
-///
-/// Returns a handle or an error as `olp_host_send` does.
+/// It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
+/// session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
 ///
 /// ```c
-/// if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
-///     puts("first, events have to be fetched");
+/// olp_host_setup(&host, "sf6z34", 1, 1, -1);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_setup(
@@ -166,18 +151,13 @@ pub unsafe extern "C" fn olp_host_setup(
     handle(host.setup(id, given(ack), given(checksum), window))
 }
 
-/// Queues a command for the device id, a string that is encoded as needed.
+/// Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
 ///
 /// command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
-/// length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
-/// parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
-/// bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
-/// With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
-/// optional, write numbers without needless decimals.
-///
-/// `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
-///
-/// host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+/// length bytes (before `olp_finish`, those are `encoder.length`) of printable ASCII, without parameters named `s`, `t`
+/// or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a line, line feed included,
+/// with a `t` of two digits (a longer line is never given a number of three). With an id of 6 characters, command may
+/// have 48 bytes, 41 where checksums are in force.
 ///
 /// Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
 /// when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
@@ -185,8 +165,6 @@ pub unsafe extern "C" fn olp_host_setup(
 ///
 /// ```c
 /// int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
-/// if (handle == -OLP_RC_BUSY)
-///     puts("first, events have to be fetched");
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_send(
@@ -202,16 +180,14 @@ pub unsafe extern "C" fn olp_host_send(
     }
 }
 
-/// Takes received bytes, up to the end of a line; `now_ms` is when they came.
+/// Takes received bytes, up to the end of a line; `now_ms` is when they came. Behind that end, none are taken until
+/// `olp_host_poll` has said that there are no more events of the line: fetch these, and give it the rest.
 ///
-/// Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
-/// more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
-/// Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Returns how many bytes were taken, or -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL
+/// and bytes is not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got; handle_events(&host))
-///     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+/// int taken = olp_host_receive(&host, in, length, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
@@ -223,10 +199,8 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 }
 
 /// Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
-/// there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
-/// lost, dropped, error, linksetup, acked, ended, welcome, line.
-///
-/// host was begun by `olp_host_init` or is all zero.
+/// there is none; `olp_host_output` comes after that. The events of a line come in this order: lost, dropped, error,
+/// linksetup, acked, ended, welcome, line.
 ///
 /// Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -234,29 +208,24 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 /// ```c
 /// struct olp_host_event event;
 /// while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
-///     if (event.kind == OLP_HOST_ENDED)
-///         printf("command %d: outcome %d\n", event.handle, event.outcome);
+///     handle_event(&event);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::get(host) }).filter(|_| !event.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(event)) = (unsafe { (Host::get(host), event.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    // SAFETY: event is not NULL.
-    unsafe {
-        zero(event);
-        (*event).device = -1;
-        let happened = match host.poll(time(now_ms)) {
-            None => OLP_RC_NO_EVENT,
-            Some(happened) => {
-                write_event(event, &happened);
-                OLP_RC_SUCCESS
-            }
-        };
-        (*event).link = link_of(host.link());
-        happened
+    // SAFETY: an event may be all zero.
+    unsafe { zero(event) };
+    event.device = -1;
+    let mut code = OLP_RC_NO_EVENT;
+    if let Some(happened) = host.poll(time(now_ms)) {
+        write_event(event, &happened);
+        code = OLP_RC_SUCCESS;
     }
+    event.link = link_of(host.link());
+    code
 }
 
 /// Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
@@ -266,26 +235,19 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 /// -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// char out[OLP_COMMAND_MAX];
-/// int length = olp_host_output(&host, out, sizeof out, now_ms());
-/// if (length > 0)
-///     uart_write(&uart, out, length);
+/// length = olp_host_output(&host, out, sizeof out, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
     // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::get(host) }) else {
-        return OLP_RC_ERROR_GENERIC.wrapping_neg();
-    };
-    // SAFETY: as the contract of this function asks.
-    let written = unsafe { fill(buf, cap, |line, room| host.output(line, room, time(now_ms))) };
+    let written =
+        unsafe { Host::get(host).and_then(|host| fill(buf, cap, |line, room| host.output(line, room, time(now_ms)))) };
     written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
 }
 
-/// How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
-/// are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
-///
-/// Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+/// Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
+/// queued, as poll(2) takes it; -1 when they need not be called at all or host is NULL. Ask when there are no events
+/// left and the output was fetched.
 ///
 /// ```c
 /// wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
@@ -297,10 +259,8 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
     left.map_or(-1, long)
 }
 
-/// What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
-/// nor checksums, and a window of 1.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
+/// nor checksums, and a window of 1. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_link link;
@@ -309,20 +269,16 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !link.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(link)) = (unsafe { (Host::peek(host), link.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    // SAFETY: link is not NULL.
-    unsafe { *link = link_of(host.link()) };
+    *link = link_of(host.link());
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
-/// change, and it stays there when the microcontroller restarts.
-///
-/// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
-/// `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+/// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_device device;
@@ -331,28 +287,23 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    let Some(host) = (unsafe { Host::peek(host) }).filter(|_| !device.is_null()) else {
+    // SAFETY: Room's contract; the objects of one call don't overlap.
+    let (Some(host), Some(device)) = (unsafe { (Host::peek(host), device.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
     let Some(found) = usize::try_from(index).ok().and_then(|index| host.devices().get(index)) else {
         return OLP_RC_NOT_FOUND;
     };
-    let host::Device { id, r#type, name, version, pos, cut } = found;
-    // SAFETY: device is not NULL.
-    let device = unsafe { &mut *device };
-    copy_text(id, &mut device.id);
-    copy_text(r#type, &mut device.r#type);
-    copy_text(name, &mut device.name);
-    copy_text(version, &mut device.version);
-    device.pos = c_int::try_from(*pos).unwrap_or_default();
-    device.cut = (*cut).into();
+    copy_text(&found.id, &mut device.id);
+    copy_text(&found.r#type, &mut device.r#type);
+    copy_text(&found.name, &mut device.name);
+    copy_text(&found.version, &mut device.version);
+    device.pos = c_int::try_from(found.pos).unwrap_or_default();
+    device.cut = found.cut.into();
     OLP_RC_SUCCESS
 }
 
-/// Copies how the link does.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c
 /// struct olp_host_health health;
@@ -365,43 +316,13 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Hea
     let (Some(host), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
-    let host::Health {
-        lines,
-        strays,
-        malformed,
-        overlong,
-        lost,
-        errors,
-        restarts,
-        overflows,
-        timeouts,
-        repeats,
-        round_trips: RoundTrips { count, last, min, max, sum },
-    } = *host.health();
-    *health = Health {
-        lines: lines.into(),
-        strays: strays.into(),
-        malformed: malformed.into(),
-        overlong: overlong.into(),
-        lost: lost.into(),
-        errors: errors.into(),
-        restarts: restarts.into(),
-        overflows: overflows.into(),
-        timeouts: timeouts.into(),
-        repeats: repeats.into(),
-        rtt_count: count.into(),
-        rtt_last: last.into(),
-        rtt_min: min.into(),
-        rtt_max: max.into(),
-        rtt_sum: sum.into(),
-    };
+    copy_counters::<15>(transmute_ref!(host.health()), transmute_mut!(health));
     OLP_RC_SUCCESS
 }
 
-#[allow(clippy::unnecessary_fallible_conversions, reason = "an int may have 16 bits")]
 fn handle(queued: Result<u16, QueueError>) -> c_int {
     match queued {
-        Ok(handle) => c_int::try_from(handle).unwrap_or_default(),
+        Ok(handle) => handle.cast_signed().into(),
         Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
         Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
         Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),

@@ -1,11 +1,10 @@
 //! `libdeltarobot/line_protocol.h`: lines of the Ozeki line protocol: checksum, reading, building, receiving.
 //!
-//! Reading:
+//! Building a line: `olp_begin_command`, of a device `olp_begin`. Reading those received:
 //!
 //! ```c
 //! int got = uart_read(&uart, in, sizeof in);
 //! for (int taken = 0; taken < got;) {
-//!     float temperature;
 //!     taken += olp_receive(&receiver, in + taken, got - taken, &line);
 //!     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
 //!         olp_is(&message, "c", 0, "heaterinfo") &&
@@ -13,26 +12,12 @@
 //!         show(temperature);
 //! }
 //! ```
-//!
-//! Writing:
-//!
-//! ```c
-//! char text[OLP_COMMAND_MAX];
-//! struct olp_encoder encoder;
-//! olp_begin_command(&encoder, text, sizeof text, "setswitch");
-//! olp_add_int(&encoder, "state", 1);
-//! olp_add_int(&encoder, "t", 11);
-//! olp_add_string(&encoder, "id", "9o5qzg");
-//! if ((length = olp_finish(&encoder, 1)) > 0)
-//!     uart_write(&uart, text, length);
-//! ```
 
 use core::ffi::{c_char, c_int, c_uint};
 use core::ptr::null;
 
 use deltarobot_protocols::line;
 
-pub mod checksum;
 pub mod encoder;
 pub mod message;
 pub mod receiver;
@@ -48,8 +33,7 @@ pub const OLP_RC_OVERFLOW: c_int = 3;
 pub const OLP_RC_BUSY: c_int = 5;
 /// Nothing has happened.
 pub const OLP_RC_NO_EVENT: c_int = 6;
-/// Text is not what it should be: an escape without its two digits, a value that is no number, a line feed within a
-/// line.
+/// Text is not what it should be: an escape without its digits, a value that is no number, a line feed in a line.
 pub const OLP_RC_MALFORMED: c_int = 8;
 /// A line is longer than may be sent, or does not fit the buffer.
 pub const OLP_RC_TOO_LONG: c_int = 9;
@@ -93,7 +77,7 @@ pub struct LineMessage {
     pub count: c_int,
     /// One of `OLP_CHECKSUM_*`.
     pub checksum: c_int,
-    /// The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
+    /// The Fletcher-16 of the bytes before `&s=`, or of all of them without a checksum: what an ack repeats.
     pub sum: c_uint,
 }
 
@@ -120,8 +104,7 @@ pub struct LineParam {
 pub struct LineText {
     /// One of `OLP_LINE_*`.
     pub kind: c_int,
-    /// The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
-    /// next call.
+    /// The line without its end, a zero byte behind it, in the receiver until the next call; NULL: there is none.
     pub text: *const c_char,
     /// Number of bytes of it; 0 when there is none.
     pub length: c_int,
@@ -137,7 +120,5 @@ pub struct LineEncoder {
     pub(super) error: c_int,
 }
 
-// The layout that C compilers give these structs; C tests assert the same numbers.
-const _: () = {
+const _: () =
     assert!(OLP_COMMAND_MAX as usize == line::COMMAND_MAX && OLP_DECIMALS_MAX as usize == line::DECIMALS_MAX as usize);
-};

@@ -67,6 +67,13 @@ pub(super) fn number(number: c_int) -> i32 {
     number.into()
 }
 
+/// Copies counters into a struct of C's that consists of as many, in the same order.
+pub(super) fn copy_counters<const COUNT: usize>(from: &[u32; COUNT], to: &mut [c_ulong; COUNT]) {
+    for (place, counter) in to.iter_mut().zip(from) {
+        *place = (*counter).into();
+    }
+}
+
 /// The room that a pointer and a size from C stand for, or `None` where they stand for nothing.
 ///
 /// # Safety

@@ -8,7 +8,6 @@ use std::ffi::{c_int, c_long, c_ulong};
 use std::ptr::{null, null_mut};
 
 use deltarobot::line_device::{self, *};
-use deltarobot::line_host::event::LineHostEvent;
 use deltarobot::line_host::{self, *};
 use deltarobot::line_protocol::LineParam;
 use deltarobot::line_protocol::message::olp_param_at;

@@ -111,7 +111,7 @@ plain! {
 }
 events! {
     host::event::HostEvent;
-    line_host::event::LineHostEvent;
+    line_host::LineHostEvent;
     gx_host::HostEvent;
     gx_motion::MotionEvent;
 }

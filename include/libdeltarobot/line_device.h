@@ -39,7 +39,6 @@
  *                          onerror with code checksum, overflow or malformed; nothing is executed
  * ```
  *
- *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_device.rs by `make header`.
  */
@@ -77,9 +76,7 @@ struct olp_device {
 
 /** A device behind the link, as its welcome describes it. The texts end with a zero byte. */
 struct olp_device_info {
-  /**
-   * 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two devices have the same.
-   */
+  /** 1 to `OLP_ID_MAX` of `[0-9A-Za-z._-]`; the protocol asks for 6 letters and digits. No two have the same. */
   const char *id;
   /** What it is, e.g. OzekiSwitchController. */
   const char *type;
@@ -146,8 +143,7 @@ struct olp_device_table {
   olp_send_func_t send;
   /**
    * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-   * stands for 5000. It has to be more than the other end waits before it repeats. After that, the same line with
-   * the same t is a new command.
+   * stands for 5000. It has to be more than the other end waits before it repeats. Later, it is a new command.
    */
   unsigned long repeat_ms;
 };
@@ -171,8 +167,7 @@ struct olp_device_health {
 /**
  * Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
  *
- * table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
- * unchanged, as long as the device is used.
+ * table's counts, texts and functions, which take usr, are right, and stay there unchanged while device is used.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
  * when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
@@ -189,30 +184,22 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
     OLP_SIZED("olp_device_init");
 
 /**
- * Starts again, as after `olp_device_init`: to be called when another connection is made.
- *
- * device was made by `olp_device_init` or is all zero.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
+ * Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
+ * connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made.
  *
  * ```c
- * if (was_reconnected())
- *     olp_device_restart(&device);
+ * olp_device_restart(&device);
  * ```
  */
 int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart");
 
 /**
- * Has the device set up the link by a linksetup event of its own, which the next calls of `olp_device_poll` send
- * (behind the welcomes); it is in force from then on. ack and checksum: 0 off, else on. window: how many commands may
- * be unanswered, 1 to `OLP_WINDOW_MAX`.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, or
- * window is out of range.
+ * Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
+ * (behind the welcomes). ack and checksum: 0 off, else on. window: how many commands may be unanswered, 1 to
+ * `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for another window or a device not made.
  *
  * ```c
- * if (olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX) == OLP_RC_SUCCESS)
- *     olp_device_poll(&device, now_ms());
+ * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
  * ```
  */
 int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window)
@@ -220,30 +207,25 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
 
 /**
  * Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
- * `now_ms` is when they came; it makes no difference, as `olp_device_poll` has the time. Not for interrupts that may
- * come during another call on the same device.
+ * `now_ms` makes no difference, as `olp_device_poll` has the time. Not for interrupts that may come during another
+ * call on the same device.
  *
- * Returns how many bytes were taken: give it the rest after the next `olp_device_poll`. Returns
- * -`OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL
- * and bytes is not 0.
+ * Returns how many bytes were taken, the rest being for after the next `olp_device_poll`; -`OLP_RC_ERROR_GENERIC` when
+ * device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; olp_device_poll(&device, now_ms()))
- *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+ * int taken = olp_device_receive(&device, in, length, now_ms());
  * ```
  */
 int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)
     OLP_SIZED("olp_device_receive");
 
 /**
- * Does one thing: sends a welcome or the linksetup event, or answers the line that was received. To be called in the
- * firmware's main loop.
+ * Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
  *
  * Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
- * called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
- * `olp_device_init`; and when a command was executed but the answer can't be sent, what is wrong with that:
- * `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+ * called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made; and when a
+ * command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
  *
  * ```c
  * while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
@@ -253,18 +235,14 @@ int olp_device_receive(struct olp_device *device, const void *buf, int bytes, un
 int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("olp_device_poll");
 
 /**
- * Sends an event of the device of that id: event was begun, by `olp_begin`, and has its parameters; id and t are added
- * here. Its buffer is the caller's, and as long as the line may be.
- *
- * event was begun and its buffer is still there; id is NULL or a string.
+ * Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
+ * are added here. Its buffer is the caller's, as long as the line may be, and still there.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
- * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
- * when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say. Nothing is
- * sent then.
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made, or it has no such id; or, when the event can't
+ * be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
  *
  * ```c
- * char text[OLP_REPLY_MAX];
  * olp_begin(&event, text, sizeof text, "heaterinfo");
  * olp_add_float(&event, "temp", 21.5f, 2);
  * olp_device_event(&device, &event, "M1F910");
@@ -274,9 +252,7 @@ int olp_device_event(struct olp_device *device, struct olp_encoder *event, const
     OLP_SIZED("olp_device_event");
 
 /**
- * Copies how the link does.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_device_health health;

@@ -27,17 +27,13 @@
  * }
  * ```
  *
- * handle_event() calls, of the first OLP_HOST_WELCOME,
+ * handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
  *
  * ```c
  * struct olp_host_device device;
  * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
  *     olp_host_setup(&host, device.id, 1, 1, -1);
- * ```
  *
- * and when that has ended as OLP_HOST_ANSWERED
- *
- * ```c
  * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  * ```
  *
@@ -50,13 +46,11 @@
  * checksums on             in any case: once or not at all.
  * ```
  *
- * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost.
- *
- * A device that restarts in between may execute a command again, and a damaged line has the right checksum once in
- * some 65000. Answers have no checksum: one that is damaged in several places at once may be believed. Without acks,
- * commands are retransmitted only when the device asks for it, or the settings say that it recognises repeats, and no
- * two of one name and id are out at a time. The order in which commands are executed is that of sending while the
- * window is 1; in a larger one, retransmitted ones fall behind.
+ * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
+ * may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:
+ * one that is damaged in several places may be believed. Without acks, commands are retransmitted only when the device
+ * asks for it, or the settings say that it recognises repeats, and no two of one name and id are out at a time. They
+ * are executed in the order of sending while the window is 1; in a larger one, retransmitted ones fall behind.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_host.rs by `make header`.
@@ -112,37 +106,18 @@ extern "C" {
 #define OLP_HOST_ENDED 4
 /** Event: another line came from the device: `message`. */
 #define OLP_HOST_LINE 5
-
-/**
- * Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
- * damaged number makes a gap too.
- */
+/** Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged. */
 #define OLP_HOST_LOST 6
-
-/**
- * Event: the device reports an error: `message`. It is about the command `handle`, as far as that is known; else
- * that is 0.
- */
+/** Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known. */
 #define OLP_HOST_ERROR 7
-
 /** Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`. */
 #define OLP_HOST_DROPPED 8
-
-/**
- * Outcome: the device has executed the command, and answered: `message`. (Or it says by `onerror` with the code
- * `toolong` that its answer is too long for it.)
- */
+/** Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device. */
 #define OLP_HOST_ANSWERED 1
-
 /** Outcome: the device did not execute it, and says so: `message`, an `onerror`. */
 #define OLP_HOST_REFUSED 2
-
-/**
- * Outcome: what was to come back did not come. Whether the command was executed is not known. (If it was
- * acknowledged, the device has it.)
- */
+/** Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received. */
 #define OLP_HOST_TIMED_OUT 3
-
 /** Outcome: the device has restarted. Whether the command was executed before that is not known. */
 #define OLP_HOST_RESTARTED 4
 /** Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long. */
@@ -155,39 +130,28 @@ struct olp_host {
 
 /** Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1. */
 struct olp_host_settings {
-  /**
-   * How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
-   * Timeouts follow the measured round trips, and double when nothing comes.
-   */
+  /** Least time to wait for an ack; 0: 500. Timeouts follow measured round trips, and double when nothing comes. */
   unsigned long timeout_ms;
   /** The same for an answer; 0: as long as for an ack. */
   unsigned long answer_ms;
   /**
-   * How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-   * time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 5000
-   * by default). Timeouts double up to half of it.
+   * How long after a command was sent first it may still be retransmitted; 0: 4000. A device has to remember it for
+   * longer than that and a line's way (`olp_device`: 5000 by default). Timeouts double up to half of it.
    */
   unsigned long repeat_ms;
   /** How often a command may be retransmitted; 0: 3; below 0: never. */
   int repeats;
   /**
-   * Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to), so that they are
-   * retransmitted without acks, after their ack, and as soon as the device reports damage.
+   * Not 0: the device recognises repeats, as `olp_device` does: sent also without acks, after an ack, and on damage.
    */
   int recognises;
   /** The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known. */
   unsigned long baud;
-  /**
-   * Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
-   * below 0: any number.
-   */
+  /** Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any. */
   int receive_room;
 };
 
-/**
- * What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
- * one command at a time (section "Link Setup command").
- */
+/** What is in force on a link, as the host knows it. At first, 0 and a window of 1 (section "Link Setup command"). */
 struct olp_host_link {
   /** 1: the device acknowledges commands; else 0. */
   int ack;
@@ -213,10 +177,7 @@ struct olp_host_event {
   int lost;
   /** What is in force on the link. */
   struct olp_host_link link;
-  /**
-   * The line, seen where it lies in the session: until the next call with the session that is not one of `const`.
-   * Empty where an event has none.
-   */
+  /** The line, where it lies in the session until its next call that is not of `const`; empty if there is none. */
   struct olp_message message;
 };
 
@@ -258,10 +219,7 @@ struct olp_host_health {
   unsigned long timeouts;
   /** Commands that were retransmitted, because of that or because the device has asked for it. */
   unsigned long repeats;
-  /**
-   * Number of round trips measured: from a command that was sent once to what came back first. Times in
-   * milliseconds.
-   */
+  /** Number of round trips measured, in milliseconds: from a command sent once to what came back first. */
   unsigned long rtt_count;
   /** The last round-trip time. */
   unsigned long rtt_last;
@@ -274,11 +232,8 @@ struct olp_host_health {
 };
 
 /**
- * Begins a session. Memory that is all zero is one too, with the default settings.
- *
- * settings are copied; NULL stands for the defaults.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
+ * Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too. Returns
+ * `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
  *
  * ```c
  * struct olp_host_settings settings = {0};
@@ -289,41 +244,32 @@ struct olp_host_health {
 int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED("olp_host_init");
 
 /**
- * Queues a command, `linksetup`, that says what shall be in force on the link (section "Link Setup command"). Any of
- * the microcontroller's devices takes it; the page names the one of type `OzekiIDManager`.
+ * Queues a `linksetup`, which says what shall be in force on the link (section "Link Setup command"). Any device takes
+ * it; the page names the one of type `OzekiIDManager`. Returns what `olp_host_send` does.
  *
  * ack and checksum are 0 (off), 1 (on), or below 0 to leave the parameter out, as windowsize, of 0 to 65535. What is
  * left out stays as it is. All three together make a line that is too long: call this twice, for ack and checksum
  * first. What is in force comes as the event `OLP_HOST_LINKSETUP`, and may be less than was asked for. A window that
  * the answer does not report is 1; of one that it does, no more is used than was asked for last and `OLP_WINDOW_MAX`.
  *
- * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be
- * a session's first command: a device that remembers the commands of an earlier session, to recognise repeats,
- * forgets them.
- *
- * Returns a handle or an error as `olp_host_send` does.
+ * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
+ * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
  * ```c
- * if (olp_host_setup(&host, "sf6z34", 1, 1, -1) < 0)
- *     puts("first, events have to be fetched");
+ * olp_host_setup(&host, "sf6z34", 1, 1, -1);
  * ```
  */
 int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)
     OLP_SIZED("olp_host_setup");
 
 /**
- * Queues a command for the device id, a string that is encoded as needed.
+ * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
  *
  * command is the beginning of its line, e.g. "c=setswitch&state=1", as `olp_begin_command` and `olp_add_*` build it:
- * length bytes (before `olp_finish`, those are `encoder.length`). It consists of printable ASCII, and has no
- * parameters named `s`, `t` or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX`
- * bytes of a line, line feed included, with a `t` of two digits (a longer line is never given a number of three).
- * With an id of 6 characters, command may have 48 bytes, 41 where checksums are in force: leave out what is
- * optional, write numbers without needless decimals.
- *
- * `OLP_WINDOW_MAX` commands can be kept at a time, sent or not.
- *
- * host was begun by `olp_host_init` or is all zero; id is NULL or a string.
+ * length bytes (before `olp_finish`, those are `encoder.length`) of printable ASCII, without parameters named `s`, `t`
+ * or `id`: the session adds these. They have to fit into the `OLP_COMMAND_MAX` bytes of a line, line feed included,
+ * with a `t` of two digits (a longer line is never given a number of three). With an id of 6 characters, command may
+ * have 48 bytes, 41 where checksums are in force.
  *
  * Returns the command's handle, 1 to 32767, which `OLP_HOST_ACKED` and `OLP_HOST_ENDED` will carry; or -`OLP_RC_BUSY`
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
@@ -331,23 +277,19 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  *
  * ```c
  * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
- * if (handle == -OLP_RC_BUSY)
- *     puts("first, events have to be fetched");
  * ```
  */
 int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED("olp_host_send");
 
 /**
- * Takes received bytes, up to the end of a line; `now_ms` is when they came.
+ * Takes received bytes, up to the end of a line; `now_ms` is when they came. Behind that end, none are taken until
+ * `olp_host_poll` has said that there are no more events of the line: fetch these, and give it the rest.
  *
- * Returns how many bytes were taken: none behind the end of a line until `olp_host_poll` has said that there are no
- * more events of it. When that is not all, fetch the events of the line by `olp_host_poll`, and give it the rest.
- * Returns -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Returns how many bytes were taken, or -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL
+ * and bytes is not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_events(&host))
- *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
+ * int taken = olp_host_receive(&host, in, length, now_ms());
  * ```
  */
 int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
@@ -355,10 +297,8 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
- * there is none; what is to be sent after that returns `olp_host_output`. The events of a line come in this order:
- * lost, dropped, error, linksetup, acked, ended, welcome, line.
- *
- * host was begun by `olp_host_init` or is all zero.
+ * there is none; `olp_host_output` comes after that. The events of a line come in this order: lost, dropped, error,
+ * linksetup, acked, ended, welcome, line.
  *
  * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -366,8 +306,7 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
  * ```c
  * struct olp_host_event event;
  * while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
- *     if (event.kind == OLP_HOST_ENDED)
- *         printf("command %d: outcome %d\n", event.handle, event.outcome);
+ *     handle_event(&event);
  * ```
  */
 int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED("olp_host_poll");
@@ -380,19 +319,15 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * char out[OLP_COMMAND_MAX];
- * int length = olp_host_output(&host, out, sizeof out, now_ms());
- * if (length > 0)
- *     uart_write(&uart, out, length);
+ * length = olp_host_output(&host, out, sizeof out, now_ms());
  * ```
  */
 int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED("olp_host_output");
 
 /**
- * How long `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or queued. Ask when there
- * are no events left and the output was fetched: what it returns is then what poll(2) takes as time-out.
- *
- * Returns milliseconds, or -1 when they need not be called at all or host is NULL.
+ * Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
+ * queued, as poll(2) takes it; -1 when they need not be called at all or host is NULL. Ask when there are no events
+ * left and the output was fetched.
  *
  * ```c
  * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
@@ -401,10 +336,8 @@ int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now
 long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED("olp_host_next_deadline");
 
 /**
- * What is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
- * nor checksums, and a window of 1.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
+ * nor checksums, and a window of 1. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_link link;
@@ -415,11 +348,8 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
 
 /**
- * Copies what is known of a device that has signed in: index is its place in the table, from 0 up. Its place does not
- * change, and it stays there when the microcontroller restarts.
- *
- * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, which leaves device alone, or
- * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+ * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_device device;
@@ -431,9 +361,7 @@ int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_
     OLP_SIZED("olp_host_get_device");
 
 /**
- * Copies how the link does.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c
  * struct olp_host_health health;

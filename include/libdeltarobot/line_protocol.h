@@ -2,31 +2,17 @@
  * @file
  * libdeltarobot/line_protocol.h: lines of the Ozeki line protocol: checksum, reading, building, receiving.
  *
- * Reading:
+ * Building a line: `olp_begin_command`, of a device `olp_begin`. Reading those received:
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
  * for (int taken = 0; taken < got;) {
- *     float temperature;
  *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
  *     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
  *         olp_is(&message, "c", 0, "heaterinfo") &&
  *         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
  *         show(temperature);
  * }
- * ```
- *
- * Writing:
- *
- * ```c
- * char text[OLP_COMMAND_MAX];
- * struct olp_encoder encoder;
- * olp_begin_command(&encoder, text, sizeof text, "setswitch");
- * olp_add_int(&encoder, "state", 1);
- * olp_add_int(&encoder, "t", 11);
- * olp_add_string(&encoder, "id", "9o5qzg");
- * if ((length = olp_finish(&encoder, 1)) > 0)
- *     uart_write(&uart, text, length);
  * ```
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
@@ -58,13 +44,8 @@ extern "C" {
 #define OLP_RC_BUSY 5
 /** Nothing has happened. */
 #define OLP_RC_NO_EVENT 6
-
-/**
- * Text is not what it should be: an escape without its two digits, a value that is no number, a line feed within a
- * line.
- */
+/** Text is not what it should be: an escape without its digits, a value that is no number, a line feed in a line. */
 #define OLP_RC_MALFORMED 8
-
 /** A line is longer than may be sent, or does not fit the buffer. */
 #define OLP_RC_TOO_LONG 9
 /** A number is beyond what its type holds. */
@@ -112,9 +93,7 @@ struct olp_message {
   int count;
   /** One of `OLP_CHECKSUM_*`. */
   int checksum;
-  /**
-   * The Fletcher-16 of the bytes before `&s=`, or of all when the line has no checksum: what an ack of it repeats.
-   */
+  /** The Fletcher-16 of the bytes before `&s=`, or of all of them without a checksum: what an ack repeats. */
   unsigned int sum;
 };
 
@@ -139,55 +118,23 @@ struct olp_receiver {
 struct olp_line {
   /** One of `OLP_LINE_*`. */
   int kind;
-  /**
-   * The line without its end, a zero byte behind it; NULL when there is none. It lies in the receiver, until the
-   * next call.
-   */
+  /** The line without its end, a zero byte behind it, in the receiver until the next call; NULL: there is none. */
   const char *text;
   /** Number of bytes of it; 0 when there is none. */
   int length;
 };
 
 /**
- * The checksum of the protocol, Fletcher-16 in ones' complement: both sums begin at 255, and neither is ever 0. Of no
- * bytes it is 0xFFFF; of a NULL pointer or a negative length too.
- *
- * Returns the second sum in bits 8 to 15, the first in bits 0 to 7.
- *
- * ```c
- * unsigned int sum = olp_fletcher16(line.text, line.length);
- * printf("%04x\n", sum);
- * ```
- */
-unsigned int olp_fletcher16(const void *bytes, int length);
-
-/**
- * The checksum of bytes whose beginning was summed up before: sum is what this function or `olp_fletcher16` returned
- * for that, 0xFFFF when it is empty.
- *
- * Returns the checksum of all; sum, as far as it has 16 bits, when bytes is NULL or length not positive.
- *
- * ```c
- * unsigned int sum = 0xFFFF;
- * for (int got; (got = uart_read(&uart, in, sizeof in)) > 0;)
- *     sum = olp_fletcher16_more(sum, in, got);
- * ```
- */
-unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
-
-/**
- * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+ * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there
+ * until the line is finished; command is NULL or a string.
  *
  * `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
  * return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
- *
- * buf stays there until the line is finished; command is NULL or a string.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`,
  * `OLP_RC_TOO_LONG` when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
  *
  * ```c
- * char text[OLP_REPLY_MAX];
  * olp_begin(&encoder, text, sizeof text, "heaterinfo");
  * olp_add_float(&encoder, "temp", 21.5f, 2);
  * length = olp_finish(&encoder, 1);
@@ -196,44 +143,37 @@ unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length
 int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *command);
 
 /**
- * Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
- * buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
- * need have to be left out.
- *
- * Returns what `olp_begin` does.
+ * Like `olp_begin`, for a line that a PC sends: of at most `OLP_COMMAND_MAX` bytes, checksum and line feed counted,
+ * and no more than the buffer. If it is too long, leave out parameters that the device does not need.
  *
  * ```c
  * char text[OLP_COMMAND_MAX];
+ * struct olp_encoder encoder;
  * olp_begin_command(&encoder, text, sizeof text, "setswitch");
  * olp_add_int(&encoder, "state", 1);
- * length = olp_finish(&encoder, 1);
+ * olp_add_string(&encoder, "id", "9o5qzg");
+ * if ((length = olp_finish(&encoder, 1)) > 0)
+ *     uart_write(&uart, text, length);
  * ```
  */
 int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const char *command);
 
 /**
- * Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
- *
- * encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
- * with a zero byte.
+ * Adds a text, a string, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits. encoder was made
+ * by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
  * `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call
  * for this line returned.
  *
  * ```c
- * if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
- *     puts("no room for a name");
+ * olp_add_string(&encoder, "name", "Kitchen lamp");
  * ```
  */
 int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
 
 /**
- * Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
- *
- * text is NULL or points to that many bytes.
- *
- * Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+ * Like `olp_add_string`, for length bytes, zero bytes among them; `OLP_RC_ERROR_GENERIC` also when length is negative.
  *
  * ```c
  * olp_add_bytes(&encoder, "serial", in, 4);
@@ -242,22 +182,17 @@ int olp_add_string(struct olp_encoder *encoder, const char *name, const char *te
 int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
 
 /**
- * Adds a value that is encoded already, such as one of a received line: unchanged.
- *
- * Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
- * without its two digits.
+ * Adds a value that is encoded already, such as one of a received line: unchanged. Returns what `olp_add_bytes` does;
+ * `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%` without its two digits.
  *
  * ```c
- * if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
- *     olp_add_raw(&encoder, "t", param.value, param.value_length);
+ * olp_add_raw(&encoder, "t", param.value, param.value_length);
  * ```
  */
 int olp_add_raw(struct olp_encoder *encoder, const char *name, const char *value, int length);
 
 /**
- * Adds an integer, in decimal.
- *
- * Returns what `olp_add_string` does.
+ * Adds an integer, in decimal. Returns what `olp_add_string` does.
  *
  * ```c
  * olp_add_int(&encoder, "state", 1);
@@ -266,11 +201,8 @@ int olp_add_raw(struct olp_encoder *encoder, const char *name, const char *value
 int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 
 /**
- * Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
- * the even digit when two are.
- *
- * Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
- * `OLP_DECIMALS_MAX`.
+ * Adds a float as `printf("%.*f", decimals, value)` writes it, a tie rounded to the even digit. Returns what
+ * `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to `OLP_DECIMALS_MAX`.
  *
  * ```c
  * olp_add_float(&encoder, "temp", 21.5f, 2);
@@ -279,14 +211,10 @@ int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 int olp_add_float(struct olp_encoder *encoder, const char *name, float value, int decimals);
 
 /**
- * Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
- *
- * Returns what `olp_add_string` does.
+ * Adds the lower 16 bits of value as four hexadecimal digits in lower case. Returns what `olp_add_string` does.
  *
  * ```c
- * olp_begin(&encoder, text, sizeof text, "ack");
  * olp_add_hex(&encoder, "checksum", message.sum);
- * length = olp_finish(&encoder, 0);
  * ```
  */
 int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
@@ -300,24 +228,42 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
  *
  * ```c
- * int length = olp_finish(&encoder, 1);
- * if (length > 0)
- *     uart_write(&uart, text, length);
+ * length = olp_finish(&encoder, 1);
  * ```
  */
 int olp_finish(struct olp_encoder *encoder, int checksum);
 
 /**
+ * The checksum of the protocol, Fletcher-16 in ones' complement: the second sum in bits 8 to 15, the first in bits 0
+ * to 7. Both begin at 255, and neither is ever 0: of no bytes it is 0xFFFF, of a NULL pointer or a negative length
+ * too.
+ *
+ * ```c
+ * printf("%04x\n", olp_fletcher16(line.text, line.length));
+ * ```
+ */
+unsigned int olp_fletcher16(const void *bytes, int length);
+
+/**
+ * The checksum of bytes whose beginning has the checksum sum, as far as that has 16 bits: 0xFFFF when there is none.
+ * It is sum itself when bytes is NULL or length not positive.
+ *
+ * ```c
+ * printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
+ * ```
+ */
+unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
+
+/**
  * Reads a line, with or without its end (LF or CR LF), and describes it in message. Names may be any; a parameter
- * without `=` has an empty value; nothing between two `&` is no parameter.
+ * without `=` has an empty value; nothing between two `&` is no parameter. A wrong checksum is no error: see
+ * `message->checksum`.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NO_COMMAND` when the first parameter is not `c`, `OLP_RC_MALFORMED` when a `%`
  * lacks its two hexadecimal digits or a line feed stands within the line; or `OLP_RC_ERROR_GENERIC` when a pointer is
- * NULL or length negative. Unless it succeeds, message is empty. A wrong checksum is no error: see
- * `message->checksum`.
+ * NULL or length negative. Unless it succeeds, message is empty.
  *
  * ```c
- * struct olp_message message;
  * if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
  *     handle_message(&message);
  * ```
@@ -325,15 +271,13 @@ int olp_finish(struct olp_encoder *encoder, int checksum);
 int olp_parse(const char *line, int length, struct olp_message *message);
 
 /**
- * Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last.
- *
- * message was filled in by `olp_parse` and its line is still there, or is all zero.
+ * Finds a parameter by its place in the line: 0 is the command, `message->count` - 1 the last. message was filled in
+ * by `olp_parse` and its line is still there, or is all zero.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  * Unless it succeeds, param is left as it was.
  *
  * ```c
- * struct olp_param param;
  * for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
  *     printf("%.*s\n", param.name_length, param.name);
  * ```
@@ -341,28 +285,20 @@ int olp_parse(const char *line, int length, struct olp_message *message);
 int olp_param_at(const struct olp_message *message, int index, struct olp_param *param);
 
 /**
- * Finds a parameter by its name. Names repeat: occurrence selects one of that name, 0 the first. The command is the
- * first `c`.
- *
- * name is NULL or a string.
- *
- * Returns what `olp_param_at` does.
+ * Finds a parameter by its name, a string. Names repeat: occurrence selects one of that name, 0 the first. The command
+ * is the first `c`. Returns what `olp_param_at` does.
  *
  * ```c
- * struct olp_param id;
- * if (olp_find(&message, "id", 0, &id) == OLP_RC_SUCCESS)
- *     printf("from %.*s\n", id.value_length, id.value);
+ * if (olp_find(&message, "id", 0, &param) == OLP_RC_SUCCESS)
+ *     printf("from %.*s\n", param.value_length, param.value);
  * ```
  */
 int olp_find(const struct olp_message *message, const char *name, int occurrence, struct olp_param *param);
 
 /**
- * Makes a receiver empty. All zero it is so, too.
- *
- * Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+ * Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
  *
  * ```c
- * struct olp_receiver receiver;
  * olp_receiver_init(&receiver);
  * ```
  */
@@ -370,28 +306,21 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_ini
 
 /**
  * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
- * empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
- * has come.
+ * empty ones are passed over. One longer than `OLP_LINE_MAX` is lost: `OLP_LINE_OVERLONG` when its end has come.
  *
  * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
  * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
  *
  * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got;) {
- *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
- *     if (line.kind == OLP_LINE_COMPLETE)
- *         puts(line.text);
- * }
+ * int taken = olp_receive(&receiver, in, length, &line);
  * ```
  */
 int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
     OLP_SIZED("olp_receive");
 
 /**
- * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
- *
- * param was filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
+ * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them. param was
+ * filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
  *
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
@@ -399,21 +328,18 @@ int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struc
  * ```c
  * long state;
  * if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
- *     printf("state %ld\n", state);
+ *     switch_to(state);
  * ```
  */
 int olp_value_int(const struct olp_param *param, long *value);
 
 /**
- * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
- * that is nearest. Infinities and NaNs are no such numbers.
- *
- * Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
+ * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the
+ * nearest float, no infinity or NaN. Returns what `olp_value_int` does; `OLP_RC_RANGE` beyond the largest float.
  *
  * ```c
- * float temperature;
  * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
- *     printf("%.2f degrees\n", (double)temperature);
+ *     show(temperature);
  * ```
  */
 int olp_value_float(const struct olp_param *param, float *value);
@@ -426,70 +352,54 @@ int olp_value_float(const struct olp_param *param, float *value);
  * when cap is 0).
  *
  * ```c
- * char name[32];
- * if (olp_value_string(&param, name, sizeof name) >= 0)
- *     puts(name);
+ * if (olp_value_string(&param, text, sizeof text) >= 0)
+ *     puts(text);
  * ```
  */
 int olp_value_string(const struct olp_param *param, char *buf, int cap);
 
 /**
- * Whether a parameter's decoded value is that text.
- *
- * text is NULL or a string.
- *
- * Returns 1 or 0; 0 when a pointer is NULL.
+ * Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
  *
  * ```c
- * if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
- *     puts("a device has started");
+ * int has_started = olp_value_is(&param, "welcome");
  * ```
  */
 int olp_value_is(const struct olp_param *param, const char *text);
 
 /**
- * `olp_find` and `olp_value_int` in one.
- *
- * Returns what they do.
+ * `olp_find` and `olp_value_int` in one: returns what they do.
  *
  * ```c
  * long state;
  * if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
- *     printf("state %ld\n", state);
+ *     switch_to(state);
  * ```
  */
 int olp_get_int(const struct olp_message *message, const char *name, int occurrence, long *value);
 
 /**
- * `olp_find` and `olp_value_float` in one.
- *
- * Returns what they do.
+ * `olp_find` and `olp_value_float` in one: returns what they do.
  *
  * ```c
- * float temperature;
  * if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
- *     printf("%.2f degrees\n", (double)temperature);
+ *     show(temperature);
  * ```
  */
 int olp_get_float(const struct olp_message *message, const char *name, int occurrence, float *value);
 
 /**
- * `olp_find` and `olp_value_string` in one.
- *
- * Returns what `olp_value_string` does, and -`OLP_RC_NOT_FOUND`, buf being then left as it was.
+ * `olp_find` and `olp_value_string` in one: returns what they do; if -`OLP_RC_NOT_FOUND`, buf is left as it was.
  *
  * ```c
- * char name[32];
- * if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
- *     puts(name);
+ * if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)
+ *     puts(text);
  * ```
  */
 int olp_get_string(const struct olp_message *message, const char *name, int occurrence, char *buf, int cap);
 
 /**
- * `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
- *
- * Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
+ * `olp_find` and `olp_value_is` in one. Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
  *
  * ```c
  * if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))

@@ -1,26 +1,24 @@
-//! What a call of `olp_device_poll` does.
+//! What a call of `olp_device_poll` does, and what the firmware's table says.
 //!
-//! A device is ready here, its table what [`check`](super::table::check) found good, and no reference to it lives while
-//! one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and what was
-//! going on is over.
+//! What all functions but [`check`] ask for: a device is ready, its table what that found good, and no reference to it
+//! lives while one of the firmware's functions runs. Such a function may restart the device: then `serving` is 0, and
+//! what was going on is over.
 
-use core::ffi::c_int;
+use core::ffi::{c_char, c_int};
+use core::ptr;
 
-use super::table::{command_of, device_of, write_welcome};
-use super::{Command, State};
+use super::{Command, DeviceInfo, DeviceTable, State};
 use crate::line_protocol::message::view;
-use crate::line_protocol::{LineEncoder, OLP_RC_BUSY, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG};
-use crate::memory::{int, text_of};
+use crate::line_protocol::{
+    LineEncoder, OLP_RC_BUSY, OLP_RC_ERROR_GENERIC, OLP_RC_NO_EVENT, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
+};
+use crate::memory::{int, number, text_of};
 use deltarobot_protocols::bytes::zeros;
-use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, is_setup};
-use deltarobot_protocols::line::{Message, Received};
+use deltarobot_protocols::line::device::{Fault, LINK_LINE_MAX, LinkLine, is_id, is_setup};
+use deltarobot_protocols::line::{Encoder, Message, Received, Value};
 use zerocopy::IntoBytes;
 
 /// Does the one thing that comes next.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -46,10 +44,6 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
 }
 
 /// Welcomes the next device.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn welcome(device: *mut State) {
     // SAFETY: as the contract of this function asks, and there is one.
     unsafe {
@@ -63,38 +57,28 @@ unsafe fn welcome(device: *mut State) {
 }
 
 /// Whether all devices were welcomed.
-///
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
     // SAFETY: as the contract of this function asks.
     unsafe { usize::from((*device).welcomed) >= usize::try_from((*(*device).table()).device_count).unwrap_or_default() }
 }
 
 /// Answers the line that was received, if there is one.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
     // received before.
     unsafe {
         let receiver = &raw const (*device).receiver;
-        let rc = match (*receiver).received() {
+        let message = match (*receiver).received() {
             Received::Nothing => return OLP_RC_NO_EVENT,
-            Received::TooLong => reject(device, Fault::Overflow),
-            Received::Line(line) => {
-                if let Ok(message) = &Message::parse(line) {
-                    if let Err(fault) = (*device).link.accept(message, now) {
-                        reject(device, fault)
-                    } else {
-                        answer(device, message)
-                    }
-                } else {
-                    reject(device, Fault::Malformed)
-                }
+            Received::TooLong => Err(Fault::Overflow),
+            Received::Line(line) => Message::parse(line).map_err(|_| Fault::Malformed),
+        };
+        let accepted = message.and_then(|message| (*device).link.accept(&message, now).map(|()| message));
+        let rc = match accepted {
+            Ok(message) => answer(device, &message),
+            Err(fault) => {
+                send_link_line(device, LinkLine::Event(fault), first_id(device));
+                OLP_RC_SUCCESS
             }
         };
         if (*device).serving != 0 {
@@ -104,24 +88,7 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
     }
 }
 
-/// Reports a line that is not an intact command.
-///
-/// # Safety
-///
-/// See above.
-unsafe fn reject(device: *mut State, fault: Fault) -> c_int {
-    // SAFETY: as the contract of this function asks.
-    unsafe {
-        send_link_line(device, LinkLine::Event(fault), first_id(device));
-    }
-    OLP_RC_SUCCESS
-}
-
 /// Answers an intact command.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn answer(device: *mut State, message: &Message) -> c_int {
     // SAFETY: as the contract of this function asks.
     unsafe {
@@ -156,20 +123,12 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
 }
 
 /// The first device's id: that of what nobody asked for.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn first_id(device: *const State) -> *const [u8] {
     // SAFETY: as the contract of this function asks: ids are strings.
     unsafe { text_of((*(*(*device).table()).devices).id).unwrap_or_default() }
 }
 
 /// Has a command executed, and answers it.
-///
-/// # Safety
-///
-/// See above.
 unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: *const [u8]) -> c_int {
     let view = view(message);
     // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
@@ -182,12 +141,8 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
         if (*device).serving == 0 {
             return OLP_RC_SUCCESS;
         }
-        let mut fault = None;
-        if refused {
-            fault = Some(Fault::Refused);
-        } else if answer.error != OLP_RC_SUCCESS {
-            fault = Some(Fault::TooLong);
-        }
+        let cannot_send = (answer.error != OLP_RC_SUCCESS).then_some(Fault::TooLong);
+        let fault = if refused { Some(Fault::Refused) } else { cannot_send };
         // A length below 0 is too long.
         let written = usize::try_from(answer.length).unwrap_or(usize::MAX);
         let (length, fault) = (*device).link.finish(written, fault, &*id);
@@ -202,10 +157,6 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
 }
 
 /// Writes and sends a line of the link itself.
-///
-/// # Safety
-///
-/// See above.
 #[inline(never)]
 unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
@@ -217,9 +168,6 @@ unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     }
 }
 
-/// # Safety
-///
-/// See above.
 pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     // SAFETY: as the contract of this function asks.
     let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };
@@ -227,5 +175,93 @@ pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
     if let (1.., Some(send)) = (length, unsafe { (*table).send }) {
         // SAFETY: as above.
         unsafe { send(line.cast(), int(length), usr) };
+    }
+}
+
+/// Whether a table is one to work with; room is for trying. Unsafe as [`olp_device_init`](super::olp_device_init) is.
+pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let Some(table) = table.as_ref() else { return OLP_RC_ERROR_GENERIC };
+        let mut info = table.devices;
+        if table.device_count < 1 || info.is_null() || table.send.is_none() || table.command_count < 0 {
+            return OLP_RC_ERROR_GENERIC;
+        }
+        for _ in 0..table.device_count {
+            // A command for an id that two have would go to the first of them alone.
+            let is_good =
+                text_of((*info).id).is_some_and(|id| is_id(id) && ptr::eq(device_of(table, Value::new(id)), info));
+            if !is_good || (*info).r#type.is_null() {
+                return OLP_RC_ERROR_GENERIC;
+            }
+            if write_welcome(info, room) == 0 {
+                return OLP_RC_TOO_LONG;
+            }
+            info = info.add(1);
+        }
+        let mut command = table.commands;
+        for _ in 0..table.command_count {
+            if command.is_null() || (*command).name.is_null() {
+                return OLP_RC_ERROR_GENERIC;
+            }
+            command = command.add(1);
+        }
+        OLP_RC_SUCCESS
+    }
+}
+
+/// Writes the welcome of a device and returns its length, 0 when it does not fit.
+pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> usize {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let mut line = Encoder::begin(room, b"welcome");
+        add(&mut line, b"id", (*info).id);
+        add(&mut line, b"type", (*info).r#type);
+        if (*info).pos != 0 {
+            line.number(b"&pos=", number((*info).pos));
+        }
+        add(&mut line, b"name", (*info).name);
+        add(&mut line, b"version", (*info).version);
+        line.finish(false).unwrap_or(0)
+    }
+}
+
+/// Adds a text that is there: NULL or a string.
+unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
+    // SAFETY: as the contract of this function asks.
+    if let Some(text) = unsafe { text_of(text) } {
+        line.text(name, text);
+    }
+}
+
+/// The device that is meant, or NULL.
+pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *const DeviceInfo {
+    // SAFETY: ids are NULL or strings.
+    unsafe {
+        let mut info = (*table).devices;
+        for _ in 0..(*table).device_count {
+            if text_of((*info).id).is_some_and(|id| asked.is(id)) {
+                return info;
+            }
+            info = info.add(1);
+        }
+        ptr::null()
+    }
+}
+
+/// The command that is meant, if there is one.
+pub(super) unsafe fn command_of<'a>(table: *const DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
+    // SAFETY: as the contract of this function asks.
+    unsafe {
+        let mut command = (*table).commands;
+        for _ in 0..(*table).command_count {
+            if text_of((*command).name).is_some_and(|own| name.is(own))
+                && text_of((*command).id).is_none_or(|own| id.is(own))
+            {
+                return command.as_ref();
+            }
+            command = command.add(1);
+        }
+        None
     }
 }

@@ -1,37 +1,148 @@
-//! The structs of `line_host.h` that are copied in and out.
+//! The structs of `line_host.h` that are copied in and out, and what its events say.
 
 use core::ffi::{c_char, c_int, c_uint, c_ulong};
 
 use super::{OLP_HOST_ID_MAX, OLP_HOST_NAME_MAX, OLP_HOST_TYPE_MAX, OLP_HOST_VERSION_MAX};
-use deltarobot_protocols::line::host;
+use crate::line_protocol::message::view;
+use crate::line_protocol::{
+    LineMessage, OLP_RC_MALFORMED, OLP_RC_NOT_FOUND, OLP_RC_OVERFLOW, OLP_RC_SUCCESS, OLP_RC_TOO_LONG,
+};
+use crate::memory::int;
+use deltarobot_protocols::line::host::{self, Dropped, Event, Listed, Outcome};
+use zerocopy::{FromBytes, IntoBytes};
+
+/// Event: a device has signed in (`message`). `device` is its place in the table, -1 when it is not there; `error` is
+/// `OLP_RC_SUCCESS`, or `OLP_RC_TOO_LONG` when the id is longer than `OLP_HOST_ID_MAX` (-1) or another text was cut
+/// off, `OLP_RC_OVERFLOW` when the table is full, `OLP_RC_NOT_FOUND` when it has no id.
+pub const OLP_HOST_WELCOME: c_int = 1;
+/// Event: what is in force on the link was reported, or has changed: `link`.
+pub const OLP_HOST_LINKSETUP: c_int = 2;
+/// Event: the device has acknowledged the command `handle`. Once for each.
+pub const OLP_HOST_ACKED: c_int = 3;
+/// Event: the command `handle` has ended as `outcome` says. Exactly once for each.
+pub const OLP_HOST_ENDED: c_int = 4;
+/// Event: another line came from the device: `message`.
+pub const OLP_HOST_LINE: c_int = 5;
+/// Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged.
+pub const OLP_HOST_LOST: c_int = 6;
+/// Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known.
+pub const OLP_HOST_ERROR: c_int = 7;
+/// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
+pub const OLP_HOST_DROPPED: c_int = 8;
+
+/// Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device.
+pub const OLP_HOST_ANSWERED: c_int = 1;
+/// Outcome: the device did not execute it, and says so: `message`, an `onerror`.
+pub const OLP_HOST_REFUSED: c_int = 2;
+/// Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received.
+pub const OLP_HOST_TIMED_OUT: c_int = 3;
+/// Outcome: the device has restarted. Whether the command was executed before that is not known.
+pub const OLP_HOST_RESTARTED: c_int = 4;
+/// Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long.
+pub const OLP_HOST_NOT_SENT: c_int = 5;
+
+/// Something that happened.
+#[derive(Debug)]
+#[repr(C)]
+pub struct LineHostEvent {
+    /// What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`.
+    pub kind: c_int,
+    /// Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others.
+    pub handle: c_int,
+    /// Of `OLP_HOST_ENDED`, one of `OLP_HOST_ANSWERED` to `OLP_HOST_NOT_SENT`; 0 of others.
+    pub outcome: c_int,
+    /// Of `OLP_HOST_WELCOME`, the place in the table; -1 of others.
+    pub device: c_int,
+    /// Of `OLP_HOST_WELCOME` and `OLP_HOST_DROPPED`, one of `OLP_RC_*`; 0 of others.
+    pub error: c_int,
+    /// Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others.
+    pub lost: c_int,
+    /// What is in force on the link.
+    pub link: Link,
+    /// The line, where it lies in the session until its next call that is not of `const`; empty if there is none.
+    pub message: LineMessage,
+}
+
+/// Writes what happened to an event that is all zero but for its device, which is -1.
+pub(super) fn write_event(event: &mut LineHostEvent, happened: &Event<'_>) {
+    let (kind, message) = match happened {
+        Event::Welcome(listed, message) => {
+            (event.device, event.error) = place_of(*listed);
+            (OLP_HOST_WELCOME, Some(message))
+        }
+        Event::Linksetup(_) => (OLP_HOST_LINKSETUP, None),
+        Event::Acked(handle) => {
+            event.handle = (*handle).cast_signed().into();
+            (OLP_HOST_ACKED, None)
+        }
+        Event::Ended(handle, outcome, message) => {
+            event.handle = (*handle).cast_signed().into();
+            event.outcome = (*outcome as u8).into();
+            (OLP_HOST_ENDED, message.as_ref())
+        }
+        Event::Line(message) => (OLP_HOST_LINE, Some(message)),
+        Event::Lost(count) => {
+            event.lost = (*count).into();
+            (OLP_HOST_LOST, None)
+        }
+        Event::Error(handle, message) => {
+            event.handle = (*handle).cast_signed().into();
+            (OLP_HOST_ERROR, Some(message))
+        }
+        Event::Dropped(why) => {
+            event.error = match why {
+                Dropped::TooLong => OLP_RC_TOO_LONG,
+                Dropped::Malformed => OLP_RC_MALFORMED,
+            };
+            (OLP_HOST_DROPPED, None)
+        }
+    };
+    event.kind = kind;
+    if let Some(message) = message {
+        event.message = view(message);
+    }
+}
+
+/// The place of a device that has signed in, and what is wrong with that.
+fn place_of(listed: Listed) -> (c_int, c_int) {
+    match listed {
+        Listed::Whole(index) => (int(index), OLP_RC_SUCCESS),
+        Listed::Cut(index) => (int(index), OLP_RC_TOO_LONG),
+        Listed::Full => (-1, OLP_RC_OVERFLOW),
+        Listed::IdTooLong => (-1, OLP_RC_TOO_LONG),
+        Listed::NoId => (-1, OLP_RC_NOT_FOUND),
+    }
+}
+
+// The codes of C are those of the core.
+const _: () = {
+    assert!(OLP_HOST_ANSWERED == Outcome::Answered as c_int && OLP_HOST_REFUSED == Outcome::Refused as c_int);
+    assert!(OLP_HOST_TIMED_OUT == Outcome::TimedOut as c_int && OLP_HOST_RESTARTED == Outcome::Restarted as c_int);
+    assert!(OLP_HOST_NOT_SENT == Outcome::TooLong as c_int);
+};
 
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Settings {
-    /// How long to wait for an ack at least, and before a round trip was measured; 0: 500. (The page gives no times.)
-    /// Timeouts follow the measured round trips, and double when nothing comes.
+    /// Least time to wait for an ack; 0: 500. Timeouts follow measured round trips, and double when nothing comes.
     pub timeout_ms: c_ulong,
     /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: c_ulong,
-    /// How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-    /// time that a line may be on its way, a device has to remember which commands it has executed (`olp_device`: 5000
-    /// by default). Timeouts double up to half of it.
+    /// How long after a command was sent first it may still be retransmitted; 0: 4000. A device has to remember it for
+    /// longer than that and a line's way (`olp_device`: 5000 by default). Timeouts double up to half of it.
     pub repeat_ms: c_ulong,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: c_int,
-    /// Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to), so that they are
-    /// retransmitted without acks, after their ack, and as soon as the device reports damage.
+    /// Not 0: the device recognises repeats, as `olp_device` does: sent also without acks, after an ack, and on damage.
     pub recognises: c_int,
     /// The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known.
     pub baud: c_ulong,
-    /// Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
-    /// below 0: any number.
+    /// Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any.
     pub receive_room: c_int,
 }
 
-/// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
-/// one command at a time (section "Link Setup command").
+/// What is in force on a link, as the host knows it. At first, 0 and a window of 1 (section "Link Setup command").
 #[derive(Debug)]
 #[repr(C)]
 pub struct Link {
@@ -44,7 +155,7 @@ pub struct Link {
 }
 
 /// Counters of a host session since it began; they wrap at 2^32.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct Health {
     /// Lines received that can be read.
@@ -67,8 +178,7 @@ pub struct Health {
     pub timeouts: c_ulong,
     /// Commands that were retransmitted, because of that or because the device has asked for it.
     pub repeats: c_ulong,
-    /// Number of round trips measured: from a command that was sent once to what came back first. Times in
-    /// milliseconds.
+    /// Number of round trips measured, in milliseconds: from a command sent once to what came back first.
     pub rtt_count: c_ulong,
     /// The last round-trip time.
     pub rtt_last: c_ulong,
@@ -80,13 +190,11 @@ pub struct Health {
     pub rtt_sum: c_ulong,
 }
 
-const ID_SIZE: usize = host::ID_MAX + 1;
-const TYPE_SIZE: usize = host::TYPE_MAX + 1;
-const NAME_SIZE: usize = host::NAME_MAX + 1;
-const VERSION_SIZE: usize = host::VERSION_MAX + 1;
-const _: () = assert!(OLP_HOST_ID_MAX as usize == host::ID_MAX && OLP_HOST_TYPE_MAX as usize == host::TYPE_MAX);
-const _: () =
-    assert!(OLP_HOST_NAME_MAX as usize == host::NAME_MAX && OLP_HOST_VERSION_MAX as usize == host::VERSION_MAX);
+// The compiler has copy_text() see to it that the core's texts are as long.
+const ID_SIZE: usize = OLP_HOST_ID_MAX as usize + 1;
+const TYPE_SIZE: usize = OLP_HOST_TYPE_MAX as usize + 1;
+const NAME_SIZE: usize = OLP_HOST_NAME_MAX as usize + 1;
+const VERSION_SIZE: usize = OLP_HOST_VERSION_MAX as usize + 1;
 
 /// A device. Its texts are decoded and end with a 0; those it did not give are empty.
 #[derive(Debug)]

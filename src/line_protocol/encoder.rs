@@ -12,18 +12,16 @@ use deltarobot_export::export;
 use deltarobot_protocols::bytes::zeros;
 use deltarobot_protocols::line::{EncodeError, Encoder, Integer};
 
-/// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends.
+/// Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there
+/// until the line is finished; command is NULL or a string.
 ///
 /// `olp_add_*` go on with it and `olp_finish` ends it. After the first of them that fails, the others do nothing and
 /// return the same, so that it is enough to ask `olp_finish`. In between, buf holds the line so far.
-///
-/// buf stays there until the line is finished; command is NULL or a string.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`,
 /// `OLP_RC_TOO_LONG` when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
 ///
 /// ```c
-/// char text[OLP_REPLY_MAX];
 /// olp_begin(&encoder, text, sizeof text, "heaterinfo");
 /// olp_add_float(&encoder, "temp", 21.5f, 2);
 /// length = olp_finish(&encoder, 1);
@@ -39,17 +37,17 @@ pub unsafe extern "C" fn olp_begin(
     unsafe { begin(encoder, buf, cap, c_int::MAX, command) }
 }
 
-/// Begins a line that may have `OLP_COMMAND_MAX` bytes, its checksum and its line feed counted, or as many as the
-/// buffer has if those are fewer: one that a PC sends. When it turns out too long, parameters that the device does not
-/// need have to be left out.
-///
-/// Returns what `olp_begin` does.
+/// Like `olp_begin`, for a line that a PC sends: of at most `OLP_COMMAND_MAX` bytes, checksum and line feed counted,
+/// and no more than the buffer. If it is too long, leave out parameters that the device does not need.
 ///
 /// ```c
 /// char text[OLP_COMMAND_MAX];
+/// struct olp_encoder encoder;
 /// olp_begin_command(&encoder, text, sizeof text, "setswitch");
 /// olp_add_int(&encoder, "state", 1);
-/// length = olp_finish(&encoder, 1);
+/// olp_add_string(&encoder, "id", "9o5qzg");
+/// if ((length = olp_finish(&encoder, 1)) > 0)
+///     uart_write(&uart, text, length);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_begin_command(
@@ -62,18 +60,15 @@ pub unsafe extern "C" fn olp_begin_command(
     unsafe { begin(encoder, buf, cap, OLP_COMMAND_MAX, command) }
 }
 
-/// Adds a text, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits.
-///
-/// encoder was made by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero. Strings end
-/// with a zero byte.
+/// Adds a text, a string, encoded: all bytes but `[A-Za-z0-9._-]` as `%` and two hexadecimal digits. encoder was made
+/// by `olp_begin` or `olp_begin_command` and its buffer is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when name is empty, `s`, or has other bytes than `[A-Za-z0-9_]`,
 /// `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call
 /// for this line returned.
 ///
 /// ```c
-/// if (olp_add_string(&encoder, "name", "Kitchen lamp") == OLP_RC_TOO_LONG)
-///     puts("no room for a name");
+/// olp_add_string(&encoder, "name", "Kitchen lamp");
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
@@ -81,11 +76,7 @@ pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const 
     unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
-/// Like `olp_add_string`, for text that may have zero bytes in it: length says where it ends.
-///
-/// text is NULL or points to that many bytes.
-///
-/// Returns what `olp_add_string` does; `OLP_RC_ERROR_GENERIC` also when length is negative.
+/// Like `olp_add_string`, for length bytes, zero bytes among them; `OLP_RC_ERROR_GENERIC` also when length is negative.
 ///
 /// ```c
 /// olp_add_bytes(&encoder, "serial", in, 4);
@@ -101,14 +92,11 @@ pub unsafe extern "C" fn olp_add_bytes(
     unsafe { add(encoder, name, bytes_of(text, length), add_text) }
 }
 
-/// Adds a value that is encoded already, such as one of a received line: unchanged.
-///
-/// Returns what `olp_add_bytes` does; `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%`
-/// without its two digits.
+/// Adds a value that is encoded already, such as one of a received line: unchanged. Returns what `olp_add_bytes` does;
+/// `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%` without its two digits.
 ///
 /// ```c
-/// if (olp_find(&message, "t", 0, &param) == OLP_RC_SUCCESS)
-///     olp_add_raw(&encoder, "t", param.value, param.value_length);
+/// olp_add_raw(&encoder, "t", param.value, param.value_length);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_raw(
@@ -121,9 +109,7 @@ pub unsafe extern "C" fn olp_add_raw(
     unsafe { add(encoder, name, bytes_of(value.cast(), length), |line, name, value| _ = line.raw(name, value)) }
 }
 
-/// Adds an integer, in decimal.
-///
-/// Returns what `olp_add_string` does.
+/// Adds an integer, in decimal. Returns what `olp_add_string` does.
 ///
 /// ```c
 /// olp_add_int(&encoder, "state", 1);
@@ -134,11 +120,8 @@ pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_c
     unsafe { add(encoder, name, Some(value.write(&mut zeros())), add_text) }
 }
 
-/// Adds a float as `printf("%.*f", decimals, value)` writes it: rounded to the nearest number with so many decimals, to
-/// the even digit when two are.
-///
-/// Returns what `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to
-/// `OLP_DECIMALS_MAX`.
+/// Adds a float as `printf("%.*f", decimals, value)` writes it, a tie rounded to the even digit. Returns what
+/// `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to `OLP_DECIMALS_MAX`.
 ///
 /// ```c
 /// olp_add_float(&encoder, "temp", 21.5f, 2);
@@ -158,14 +141,10 @@ pub unsafe extern "C" fn olp_add_float(
     }
 }
 
-/// Adds the lower 16 bits of value as four hexadecimal digits in lower case: the checksum that an ack repeats.
-///
-/// Returns what `olp_add_string` does.
+/// Adds the lower 16 bits of value as four hexadecimal digits in lower case. Returns what `olp_add_string` does.
 ///
 /// ```c
-/// olp_begin(&encoder, text, sizeof text, "ack");
 /// olp_add_hex(&encoder, "checksum", message.sum);
-/// length = olp_finish(&encoder, 0);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_char, value: c_uint) -> c_int {
@@ -186,9 +165,7 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
 ///
 /// ```c
-/// int length = olp_finish(&encoder, 1);
-/// if (length > 0)
-///     uart_write(&uart, text, length);
+/// length = olp_finish(&encoder, 1);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
@@ -203,9 +180,7 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     }
 }
 
-/// # Safety
-///
-/// As for [`olp_begin`].
+/// Unsafe as [`olp_begin`] is.
 unsafe fn begin(
     encoder: *mut LineEncoder,
     buf: *mut c_char,
@@ -236,59 +211,37 @@ fn add_text(line: &mut Encoder<'_>, name: &[u8], text: &[u8]) {
     line.text(name, text);
 }
 
-/// Adds a parameter, or fails if there is no name or no value.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
+/// Adds a parameter, or fails if there is no name or no value. Unsafe as [`olp_add_string`] is.
 unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8]>, put: Put) -> c_int {
     // SAFETY: name is NULL or a string; edit()'s contract is this function's.
     unsafe {
         let name = text_of(name);
         edit(encoder, &mut |line| match (name, value) {
             (Some(name), Some(value)) => put(line, name, value),
-            _ => line.abort(),
+            _ => line.fail(EncodeError::Aborted),
         })
     }
 }
 
-/// Goes on with a line, unless it has failed, or was never begun.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
+/// Goes on with a line, unless it has failed, or was never begun. Unsafe as [`olp_add_string`] is.
 pub(crate) unsafe fn edit(encoder: *mut LineEncoder, edit: &mut dyn FnMut(&mut Encoder<'_>)) -> c_int {
     // SAFETY: as the contract of this function asks.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
-    if encoder.error == OLP_RC_SUCCESS {
-        // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
-        match (usize::try_from(encoder.length), unsafe { room_for(encoder) }) {
-            (Ok(length), Some(room)) => {
-                let mut line = Encoder::resume(room, length);
-                edit(&mut line);
-                keep(encoder, &line);
-            }
-            _ => encoder.error = OLP_RC_ERROR_GENERIC,
-        }
+    if encoder.error != OLP_RC_SUCCESS {
+        return encoder.error;
+    }
+    encoder.error = OLP_RC_ERROR_GENERIC;
+    if let (Ok(length), Ok(cap), false) =
+        (usize::try_from(encoder.length), usize::try_from(encoder.cap), encoder.buf.is_null())
+    {
+        // SAFETY: begin() checked the buffer, and wrote all of these bytes; it is still there.
+        let room = unsafe { slice::from_raw_parts_mut(encoder.buf.cast(), cap) };
+        let mut line = Encoder::resume(room, length);
+        edit(&mut line);
+        encoder.length = int(line.length());
+        encoder.error = line.error().map_or(OLP_RC_SUCCESS, |error| (error as u8).into());
     }
     encoder.error
-}
-
-/// The buffer of a line, as far as the line may reach.
-///
-/// # Safety
-///
-/// As for [`olp_add_string`].
-unsafe fn room_for<'a>(encoder: &LineEncoder) -> Option<&'a mut [u8]> {
-    let cap = usize::try_from(encoder.cap).ok().filter(|_| !encoder.buf.is_null())?;
-    // SAFETY: as the contract of this function asks: begin() checked it, and wrote all of these bytes.
-    Some(unsafe { slice::from_raw_parts_mut(encoder.buf.cast(), cap) })
-}
-
-/// Keeps how far a line is.
-fn keep(encoder: &mut LineEncoder, line: &Encoder<'_>) {
-    encoder.length = int(line.length());
-    encoder.error = line.error().map_or(OLP_RC_SUCCESS, |error| (error as u8).into());
 }
 
 // The codes of C are those of the core.

@@ -21,12 +21,9 @@ pub struct Receiver {
 }
 state!(Receiver: line::Receiver<{ OLP_LINE_MAX + 1 }>);
 
-/// Makes a receiver empty. All zero it is so, too.
-///
-/// Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when receiver is NULL.
+/// Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
 ///
 /// ```c
-/// struct olp_receiver receiver;
 /// olp_receiver_init(&receiver);
 /// ```
 #[export(olp)]
@@ -40,19 +37,13 @@ pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
 }
 
 /// Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
-/// empty ones are passed over. Of a line longer than `OLP_LINE_MAX` nothing is kept: `OLP_LINE_OVERLONG` when its end
-/// has come.
+/// empty ones are passed over. One longer than `OLP_LINE_MAX` is lost: `OLP_LINE_OVERLONG` when its end has come.
 ///
 /// Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
 /// -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
 ///
 /// ```c
-/// int got = uart_read(&uart, in, sizeof in);
-/// for (int taken = 0; taken < got;) {
-///     taken += olp_receive(&receiver, in + taken, got - taken, &line);
-///     if (line.kind == OLP_LINE_COMPLETE)
-///         puts(line.text);
-/// }
+/// int taken = olp_receive(&receiver, in, length, &line);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_receive(

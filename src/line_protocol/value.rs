@@ -11,9 +11,8 @@ use crate::memory::{bytes_of, int, room_of, text_of};
 use deltarobot_export::export;
 use deltarobot_protocols::line::{NumberError, Value};
 
-/// Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them.
-///
-/// param was filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
+/// Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them. param was
+/// filled in by `olp_param_at` or `olp_find` and its line is still there, or is all zero.
 ///
 /// Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
 /// `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
@@ -21,7 +20,7 @@ use deltarobot_protocols::line::{NumberError, Value};
 /// ```c
 /// long state;
 /// if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
-///     printf("state %ld\n", state);
+///     switch_to(state);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_long) -> c_int {
@@ -29,15 +28,12 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
     unsafe { store(value_of(param).map(Value::int), value) }
 }
 
-/// Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the float
-/// that is nearest. Infinities and NaNs are no such numbers.
-///
-/// Returns what `olp_value_int` does; `OLP_RC_RANGE` when the number is beyond the largest float.
+/// Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the
+/// nearest float, no infinity or NaN. Returns what `olp_value_int` does; `OLP_RC_RANGE` beyond the largest float.
 ///
 /// ```c
-/// float temperature;
 /// if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
-///     printf("%.2f degrees\n", (double)temperature);
+///     show(temperature);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_float) -> c_int {
@@ -52,9 +48,8 @@ pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_
 /// when cap is 0).
 ///
 /// ```c
-/// char name[32];
-/// if (olp_value_string(&param, name, sizeof name) >= 0)
-///     puts(name);
+/// if (olp_value_string(&param, text, sizeof text) >= 0)
+///     puts(text);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_char, cap: c_int) -> c_int {
@@ -62,15 +57,10 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
     unsafe { decode(value_of(param), room_of(buf.cast(), cap)) }
 }
 
-/// Whether a parameter's decoded value is that text.
-///
-/// text is NULL or a string.
-///
-/// Returns 1 or 0; 0 when a pointer is NULL.
+/// Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
 ///
 /// ```c
-/// if (olp_param_at(&message, 0, &param) == OLP_RC_SUCCESS && olp_value_is(&param, "welcome"))
-///     puts("a device has started");
+/// int has_started = olp_value_is(&param, "welcome");
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_char) -> c_int {
@@ -78,14 +68,12 @@ pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_ch
     unsafe { is(value_of(param), text_of(text)) }
 }
 
-/// `olp_find` and `olp_value_int` in one.
-///
-/// Returns what they do.
+/// `olp_find` and `olp_value_int` in one: returns what they do.
 ///
 /// ```c
 /// long state;
 /// if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
-///     printf("state %ld\n", state);
+///     switch_to(state);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_int(
@@ -98,14 +86,11 @@ pub unsafe extern "C" fn olp_get_int(
     unsafe { store(find_value(message, name, occurrence).map(Value::int), value) }
 }
 
-/// `olp_find` and `olp_value_float` in one.
-///
-/// Returns what they do.
+/// `olp_find` and `olp_value_float` in one: returns what they do.
 ///
 /// ```c
-/// float temperature;
 /// if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
-///     printf("%.2f degrees\n", (double)temperature);
+///     show(temperature);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_float(
@@ -118,14 +103,11 @@ pub unsafe extern "C" fn olp_get_float(
     unsafe { store(find_value(message, name, occurrence).map(Value::float), value) }
 }
 
-/// `olp_find` and `olp_value_string` in one.
-///
-/// Returns what `olp_value_string` does, and -`OLP_RC_NOT_FOUND`, buf being then left as it was.
+/// `olp_find` and `olp_value_string` in one: returns what they do; if -`OLP_RC_NOT_FOUND`, buf is left as it was.
 ///
 /// ```c
-/// char name[32];
-/// if (olp_get_string(&message, "name", 0, name, sizeof name) >= 0)
-///     puts(name);
+/// if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)
+///     puts(text);
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_get_string(
@@ -139,9 +121,7 @@ pub unsafe extern "C" fn olp_get_string(
     unsafe { decode(find_value(message, name, occurrence), room_of(buf.cast(), cap)) }
 }
 
-/// `olp_find` and `olp_value_is` in one: `olp_is(&message, "c", 0, "welcome")`.
-///
-/// Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
+/// `olp_find` and `olp_value_is` in one. Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
 ///
 /// ```c
 /// if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
@@ -158,20 +138,14 @@ pub unsafe extern "C" fn olp_is(
     unsafe { is(find_value(message, name, occurrence), text_of(text)) }
 }
 
-/// # Safety
-///
-/// As for [`olp_value_int`].
+/// Unsafe as [`olp_value_int`] is.
 unsafe fn value_of<'a>(param: *const LineParam) -> Result<Value<'a>, c_int> {
     // SAFETY: as the contract of this function asks.
     let bytes = unsafe { param.as_ref().and_then(|param| bytes_of(param.value.cast(), param.value_length)) };
     bytes.map(Value::new).ok_or(OLP_RC_ERROR_GENERIC)
 }
 
-/// Hands a number to C.
-///
-/// # Safety
-///
-/// out is NULL or points to a writable number.
+/// Hands a number to C; out is NULL or points to a writable one.
 unsafe fn store<T>(number: Result<Result<T, NumberError>, c_int>, out: *mut T) -> c_int {
     // SAFETY: as the contract of this function asks.
     match (number, unsafe { out.as_mut() }) {

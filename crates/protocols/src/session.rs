@@ -8,7 +8,7 @@
 
 use core::marker::PhantomData;
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// How much of `span` is left at `now` when it began at `since`; 0 when it is over.
 #[must_use]
@@ -229,7 +229,8 @@ macro_rules! flags {
 pub(crate) use flags;
 
 /// Statistics of round-trip times, in milliseconds.
-#[derive(Clone, Copy, Debug, Default, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, Default, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct RoundTrips {
     /// How many were measured.
     pub count: u32,

@@ -83,7 +83,7 @@ impl Devices {
     }
 
     fn remember(&mut self, message: &Message) {
-        let is_intact = message.checksum() != Checksum::Wrong;
+        let is_intact = message.checksum != Checksum::Wrong;
         if !is_intact || !message.command().is(b"welcome") || self.0.len() >= DEVICES_MAX {
             return;
         }
@@ -99,7 +99,7 @@ impl Devices {
         let id = message.get(b"id");
         let device = id.and_then(|id| self.0.get(&id.bytes().collect::<Vec<_>>()));
         let is_too_long = from == Some(Side::Host) && bytes > COMMAND_MAX;
-        let is_wrong = message.checksum() == Checksum::Wrong;
+        let is_wrong = message.checksum == Checksum::Wrong;
 
         let mut words = vec![command.clone()];
         let mut params = Vec::new();
@@ -110,8 +110,8 @@ impl Devices {
             if let Some(device) = device.filter(|_| name == "id" && command != "welcome") {
                 words.push(format!(" ({device})"));
             }
-            if is_wrong && place + 1 == message.len() {
-                words.push(format!(" (checksum {value} instead of {:04x})", message.sum()));
+            if is_wrong && place + 1 == message.count {
+                words.push(format!(" (checksum {value} instead of {:04x})", message.sum));
             }
             params.push(json!({ "name": name, "value": value }));
         }
@@ -125,14 +125,14 @@ impl Devices {
             "id": id.map(|id| text(id.bytes())),
             "device": device,
             "t": message.get(b"t").and_then(deltarobot_protocols::line::Value::byte),
-            "checksum": match message.checksum() {
+            "checksum": match message.checksum {
                 Checksum::None => Value::Null,
                 Checksum::Right => "right".into(),
                 Checksum::Wrong => "wrong".into(),
             },
-            "sum": format!("{:04x}", message.sum()),
+            "sum": format!("{:04x}", message.sum),
             "too_long": is_too_long,
-            "line": String::from_utf8_lossy(message.line()),
+            "line": String::from_utf8_lossy(message.line),
         });
         let kind = if is_wrong { Kind::Garbage { bytes, damaged: 1 } } else { Kind::Message(command.into()) };
         Piece::new(from, kind, words.concat(), json)
@@ -145,7 +145,7 @@ fn sender(message: &Message) -> Option<Side> {
     if command.ends_with(b"_resp") || matches!(command.as_slice(), b"welcome" | b"ack" | b"onerror") {
         return Some(Side::Controller);
     }
-    (message.checksum() == Checksum::Right).then_some(Side::Host)
+    (message.checksum == Checksum::Right).then_some(Side::Host)
 }
 
 fn garbage(from: Option<Side>, bytes: &[u8], reason: &str) -> Piece {

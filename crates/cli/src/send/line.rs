@@ -50,7 +50,7 @@ impl LineOptions {
 
 pub(super) fn send(arguments: &Arguments, link: &mut Link, report: &mut Report) -> Result<Status, Failure> {
     let options = &arguments.line;
-    let mut settings = Settings::new();
+    let mut settings = Settings::default();
     // Twice what others take: at 9600 baud a line takes 67 ms.
     settings.timeout_ms = arguments.answer_ms(&link.device).saturating_mul(2);
     settings.repeat_ms = settings.timeout_ms.saturating_mul(5).max(4000);
@@ -122,7 +122,7 @@ impl Session for Sender {
                 Outcome::TimedOut => ("timed out", Status::TimedOut),
                 Outcome::Restarted => ("lost, as the device has restarted", Status::TimedOut),
             };
-            let answer = answer.map(|answer| String::from_utf8_lossy(answer.line()).into_owned());
+            let answer = answer.map(|answer| String::from_utf8_lossy(answer.line).into_owned());
             report.ended(&command, name, answer.as_deref(), json!({ "answer": answer }));
             return Some(status);
         }

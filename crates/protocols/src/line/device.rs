@@ -2,10 +2,9 @@
 //!
 //! A [`DeviceLink`] judges lines and writes the answers; it calls nothing. Firmware goes through a line in steps:
 //! [`accept`](DeviceLink::accept) says whether it is intact, [`LinkLine::Ack`] is what comes first,
-//! [`repeated`](DeviceLink::repeated) has the answer that is to be sent again when the command was executed before. If
-//! it was not, the firmware executes the command, writes the answer into the room that [`begin`](DeviceLink::begin)
-//! made and has it finished by [`finish`](DeviceLink::finish). In between nothing is borrowed: the link knows the
-//! command that it has accepted last.
+//! [`repeated`](DeviceLink::repeated) has the answer to send again when the command was executed before. If not, the
+//! firmware executes it, writes the answer into the room that [`begin`](DeviceLink::begin) made and has it finished by
+//! [`finish`](DeviceLink::finish). In between nothing is borrowed: the link knows the command accepted last.
 //!
 //! What the page "Ozeki Line Protocol" leaves open is decided so:
 //!
@@ -18,25 +17,22 @@
 //!   it comes twice in the same words: a damaged line does not.
 
 mod answers;
-mod fault;
 mod link_lines;
 mod setup;
 
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 use super::encoder::{Encoder, is_plain};
 use super::message::{Checksum, Message};
 use crate::session::{count, span};
 use answers::Answers;
-pub use fault::Fault;
 use link_lines::Lines;
-pub use link_lines::{LINK_LINE_MAX, LinkLine};
+pub use link_lines::{Fault, LINK_LINE_MAX, LinkLine};
 pub use setup::Setup;
 
 /// Bytes of the longest id that a device behind a link may have.
 pub const ID_MAX: usize = 10;
-/// Bytes of the longest command that a device receives, without its end: more than a PC sends by the page's rule, which
-/// its own full `linksetup` breaks.
+/// Bytes of the longest command that a device receives, without its end: a full `linksetup` is longer than 64.
 pub const LINE_MAX: usize = 79;
 /// The command that the link itself executes.
 const LINKSETUP: &[u8] = b"linksetup";
@@ -57,7 +53,8 @@ struct Request {
 }
 
 /// How the link does. The counters wrap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable)]
+#[repr(C)]
 pub struct Health {
     /// Commands that were received intact, repeats among them.
     pub commands: u32,
@@ -80,8 +77,7 @@ pub struct Health {
 #[repr(C)]
 pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
     lines: Lines,
-    /// The checksum of the linksetup that was refused last for lack of one; 0, which no line has, when another came
-    /// after it.
+    /// Sum of the linksetup refused last for lack of a checksum; 0, which no line has, when another came after it.
     refused_setup: u16,
     /// The time that the answers know.
     now: u32,
@@ -99,8 +95,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         Self { lines: Lines::new(), refused_setup: 0, now: 0, repeat_ms: REPEAT_MS, health, answers: Answers::new() }
     }
 
-    /// Repeats are expected for so many milliseconds, 0 standing for [`REPEAT_MS`]. For a link that has just been
-    /// connected.
+    /// For a new link: for how many milliseconds repeats are expected, 0 standing for [`REPEAT_MS`].
     pub const fn expect_repeats_for(&mut self, repeat_ms: u32) {
         self.repeat_ms = span(repeat_ms, REPEAT_MS);
     }
@@ -117,8 +112,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         &self.health
     }
 
-    /// It is `now`, in milliseconds: to be called before anything else that happens then, at least when the link
-    /// [`is_behind`](Self::is_behind).
+    /// It is `now`, in milliseconds. To be called first, at least when the link [`is_behind`](Self::is_behind).
     pub fn tick(&mut self, now: u32) {
         self.now = now;
         self.answers.settle(now);
@@ -131,7 +125,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     pub fn is_behind(&self, now: u32) -> bool {
         // Forgetting answers that late costs the less for each byte.
         let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
-        self.answers.is_fresh() || coarse != known
+        self.answers.fresh != 0 || coarse != known
     }
 
     /// Whether a line is a command that was received intact; if so, the link goes on with that command.
@@ -140,8 +134,8 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     ///
     /// If it is not intact, what is wrong.
     pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
-        let sum = message.sum();
-        match message.checksum() {
+        let sum = message.sum;
+        match message.checksum {
             Checksum::Wrong => return Err(Fault::Checksum),
             Checksum::None if self.lines.setup.checks() => {
                 let again = self.refused_setup == sum;
@@ -201,8 +195,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.answers.room()
     }
 
-    /// Makes room for the command's answer, and begins it: `c=<command>_resp`. Its length so far; 0 when even that does
-    /// not fit.
+    /// Begins the command's answer, `c=<command>_resp`, in room of its own. Its length; 0 when even that does not fit.
     pub fn begin(&mut self, command: &[u8]) -> usize {
         let mut line = Encoder::resume(self.answers.begin(self.lines.setup.window()), 0);
         line.put_all(b"c=");
@@ -234,8 +227,7 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         (written, fault)
     }
 
-    /// Ends an event: adds id, t and the end of the line. Its length, or 0 when there is an error in it; then it does
-    /// not count.
+    /// Ends an event by id, t and the line's end. Its length; 0, and it does not count, when there is an error in it.
     pub fn finish_event(&mut self, event: &mut Encoder, id: &[u8]) -> usize {
         let length = self.lines.end_with_t(event, id);
         if length != 0 {
@@ -267,8 +259,7 @@ impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REP
     }
 }
 
-/// Whether a device behind a link may have that id: one to [`ID_MAX`] of the bytes that need no encoding,
-/// `[0-9A-Za-z._-]`.
+/// Whether a device behind a link may have that id: one to [`ID_MAX`] of `[0-9A-Za-z._-]`, which need no encoding.
 #[must_use]
 pub fn is_id(id: &[u8]) -> bool {
     !id.is_empty() && id.len() <= ID_MAX && id.iter().all(|byte| is_plain(*byte))
@@ -293,26 +284,24 @@ mod tests {
         String::from_utf8(bytes.to_vec()).unwrap()
     }
 
+    fn written(device: &mut Link, line: LinkLine) -> String {
+        let mut room = [0; LINK_LINE_MAX];
+        let length = device.write(line, ID, &mut room);
+        text(&room[..length])
+    }
+
     /// Takes a command through its steps; "state=1" is what it answers. A command of any name is executed.
     fn answers(device: &mut Link, line: &[u8], now: u32) -> String {
-        let mut room = [0; LINK_LINE_MAX];
-        let mut sent = String::new();
         device.tick(now);
-        let message = Message::parse(line).map_err(|_| Fault::Malformed);
-        if let Err(fault) = message.and_then(|message| device.accept(&message, now)) {
-            let length = device.write(LinkLine::Event(fault), ID, &mut room);
-            return text(&room[..length]);
+        let message = Message::parse(line).unwrap();
+        if let Err(fault) = device.accept(&message, now) {
+            return written(device, LinkLine::Event(fault));
         }
-        let message = message.unwrap();
         if is_setup(&message) {
             device.change_setup(&message);
+            return written(device, LinkLine::Ack) + &written(device, LinkLine::SetupAnswer);
         }
-        let length = device.write(LinkLine::Ack, ID, &mut room);
-        sent += &text(&room[..length]);
-        if is_setup(&message) {
-            let length = device.write(LinkLine::SetupAnswer, ID, &mut room);
-            return sent + &text(&room[..length]);
-        }
+        let sent = written(device, LinkLine::Ack);
         if let Some(answer) = device.repeated() {
             return sent + "again " + &text(answer);
         }
@@ -328,14 +317,11 @@ mod tests {
         let line = b"c=setswitch&state=1&t=11&id=9o5qzg\n";
         assert_eq!(answers(&mut device, line, 0), "c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
         assert_eq!(answers(&mut device, line, 10), "again c=setswitch_resp&state=1&id=9o5qzg&t=12\n");
-        assert_eq!(
-            answers(&mut device, b"c=setswitch&state=1&id=9o5qzg\n", 20),
-            "c=setswitch_resp&state=1&id=9o5qzg&t=13\n"
-        );
+        let without_t = b"c=setswitch&state=1&id=9o5qzg\n";
+        assert_eq!(answers(&mut device, without_t, 20), "c=setswitch_resp&state=1&id=9o5qzg&t=13\n");
         // That was the last command, and one is remembered.
         assert_eq!(answers(&mut device, line, 30), "c=setswitch_resp&state=1&id=9o5qzg&t=14\n");
-        assert_eq!(device.health().repeats, 1);
-        assert_eq!(device.health().commands, 4);
+        assert_eq!((device.health().repeats, device.health().commands), (1, 4));
     }
 
     #[test]

@@ -7,52 +7,48 @@
 //! # A command
 //!
 //! is queued as its caller built it; the session adds `t` and `id`, and `s` where checksums are in force. It leaves
-//! when none of those that have been sent and have not ended is forgotten by the device for it: that remembers as
-//! many commands as the window has, in the order in which they were executed. It ends exactly once, as [`Outcome`]
-//! tells:
+//! when none of those that are out is forgotten by the device for it: that remembers as many commands as the window
+//! has, in the order in which they were executed. It ends exactly once, as [`Outcome`] tells:
 //!
 //! - Answered: `<name>_resp` from its id came; where acks are in force, behind its ack. (Never matched by `t`, which
-//!   sources give differently. Of several that could be meant, the oldest is.)
+//!   sources give differently. Of several that could be meant, the oldest is.) Or an `onerror` with the code `toolong`:
+//!   it was executed, but can't be answered.
 //! - Refused: `onerror` with the code `unknowncommand`, `unknownid` or `refused`, its `t` and its id came; where acks
-//!   are in force, directly behind its ack, as that way of the line has no checksums. `toolong` says that it was
-//!   executed, but can't be answered, so that counts as its answer.
+//!   are in force, directly behind its ack, as that way of the line has no checksums.
 //! - Timed out: neither came, though it was repeated.
 //! - Restarted: the device has restarted meanwhile. A repeat could be executed a second time.
 //!
 //! # Retransmission
 //!
-//! A command that is sent again is the same line with the same `t`, by which some devices recognise it, and answer again
-//! without executing it again. Public boards are not known to, so that is assumed of a device only when
-//! [`Settings::recognises`] says so. Of others, a command is sent again when its ack (with the right checksum, where
-//! these are in force) is overdue, or at once when the device reports damage, a single command is out and it was sent
-//! once: a line that falls apart is reported more than once, and of several commands it is not known which was damaged.
-//! A device that recognises repeats is sent the oldest that it has not acknowledged at once, and a command whose answer
-//! is overdue, with acks or without. `linksetup` always is, as doing that twice is no harm.
+//! A command that is sent again is the same line with the same `t`, by which some devices recognise it, and answer
+//! again without executing it again. That is assumed only when [`Settings::recognises`] says so. Any device is sent a
+//! command again when its ack (with the right checksum, where these are in force) is overdue. One that recognises
+//! repeats is also sent a command whose answer is overdue, with acks or without, and, when it reports damage, at once
+//! the oldest that it has not acknowledged. Others get that only if a single command is out and it was sent once: a
+//! line that falls apart is reported more than once, and of several commands it is not known which was damaged.
+//! `linksetup` always is sent again, as doing that twice is no harm.
 //!
 //! Timeouts follow the round trips that were measured (RFC 6298) and the line's speed. No more bytes are sent than the
 //! device's receive buffer takes beside those that it has not answered yet. Without acks, no two commands of one name
-//! and id are out at a time.
-//!
-//! With a window of more than 1, a repeated command is executed behind later ones. Where the order matters, wait.
-//!
-//! # What can be relied on
-//!
-//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried
-//! out twice; answered means executed once, refused means not at all. (A damaged line whose checksum is right by
-//! chance, one in some 65000, is beyond that.) Without checksums a command may be executed otherwise than it was
-//! sent; without acks, the answer to a command that has timed out may count for the next one with that name and id,
-//! if it comes then.
+//! and id are out at a time. With a window of more than 1, a repeated command is executed behind later ones.
 //!
 //! A repeat can be recognised only while the device remembers the command. Therefore none is sent later than
 //! [`Settings::repeat_ms`] or after 128 other messages, and no new command has the number and the words of one of the
-//! last 64. But a program that has just started does not know these: it should begin with a `linksetup`, at which a
-//! device forgets what it remembers. That travels alone: it waits until all before it have ended, and all behind it
-//! until it has.
+//! last 64. A program that has just started does not know these, and should begin with a `linksetup`, at which a device
+//! forgets what it remembers. That travels alone: it waits until all before it have ended, and all behind it until it
+//! has.
+//!
+//! # What can be relied on
+//!
+//! With acks and checksums, and a device that recognises repeats as [`crate::line`] does: a command is not carried out
+//! twice; answered means executed once, refused not at all, but for damaged lines whose checksum is right by chance,
+//! one in some 65000. Without checksums a command may be executed otherwise than it was sent; without acks, the answer
+//! to one that has timed out may count for the next with that name and id, if it comes then.
 //!
 //! ```
 //! use deltarobot_protocols::line::host::{Event, Host, Outcome, Settings};
 //!
-//! let mut host = Host::<256, 9, 16>::new(Settings::new());
+//! let mut host = Host::<256, 9, 16>::new(Settings::default());
 //! let handle = host.send(b"c=setswitch&state=1", b"9o5qzg").unwrap();
 //! let mut line = [0; 64];
 //! let length = host.output(&mut line, 64, 0);
@@ -67,31 +63,27 @@
 mod counter;
 mod estimator;
 mod event;
-mod health;
 mod incoming;
-mod output;
 mod queue;
 mod settings;
-mod setup_again;
 mod slot;
 mod table;
 mod timers;
 
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, FromZeros, Immutable, IntoBytes};
 
 use super::encoder::COMMAND_MAX;
 use super::message::Message;
 use super::receiver::{Received, Receiver};
-use crate::session::{Flags, count};
+use crate::session::{Flags, RoundTrips, count};
 use counter::Counter;
 use estimator::Estimator;
 use event::Pending;
 pub use event::{Dropped, Event, Outcome};
-pub use health::Health;
 pub use queue::QueueError;
+use queue::Wanted;
 use settings::SetupFields;
 pub use settings::{Link, Settings};
-use setup_again::Wanted;
 use slot::Slot;
 use table::Devices;
 pub use table::{Device, ID_MAX, Listed, NAME_MAX, TYPE_MAX, VERSION_MAX};
@@ -128,9 +120,6 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     acked: u16,
     concerned: u16,
     pending: Flags<Pending>,
-    /// How and where the device that has signed in is listed.
-    listed: u8,
-    listed_at: u8,
     /// Number of messages lost.
     lost: u8,
     /// Not 0: the line in the receiver was handled; its events may be pending.
@@ -145,39 +134,40 @@ struct Session<const WINDOW: usize, const DEVICES: usize> {
     devices: Devices<DEVICES>,
 }
 
+/// Counters of a host session since it began; they wrap.
+#[derive(Clone, Debug, Default, FromBytes, IntoBytes, Immutable)]
+#[repr(C)]
+pub struct Health {
+    /// Lines received that can be read.
+    pub lines: u32,
+    /// Of these, acks, answers and refusals that nothing was waiting for.
+    pub strays: u32,
+    /// Lines that can't be read.
+    pub malformed: u32,
+    /// Lines that were too long.
+    pub overlong: u32,
+    /// Messages that the device has sent, as the gaps in their numbers show, and that were not received.
+    pub lost: u32,
+    /// Errors that the device has reported.
+    pub errors: u32,
+    /// Times that the device restarted.
+    pub restarts: u32,
+    /// Calls of `Host::receive` that did not take all bytes, because events were to be fetched first.
+    pub overflows: u32,
+    /// Acks and answers that did not come in time.
+    pub timeouts: u32,
+    /// Commands that were retransmitted, because of that or because the device has asked for it.
+    pub repeats: u32,
+    /// Round trips: from a command that was sent once to what came back first.
+    pub round_trips: RoundTrips,
+}
+
 impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WINDOW, DEVICES> {
     /// A session that has just begun.
     #[must_use]
-    pub const fn new(settings: Settings) -> Self {
-        const { assert!(1 < WINDOW && WINDOW <= 65) }
-        let session = Session {
-            settings,
-            health: Health::new(),
-            heard_at: 0,
-            fetched_at: 0,
-            backlog: 0,
-            acks: Estimator::new(),
-            answers: Estimator::new(),
-            link: Link::new(),
-            order: 0,
-            handle: 0,
-            asked: 0,
-            lines: 0,
-            acked: 0,
-            concerned: 0,
-            pending: Flags::new(),
-            listed: 0,
-            listed_at: 0,
-            lost: 0,
-            handled: 0,
-            partial: 0,
-            own_setup: 0,
-            wanted: Wanted::new(),
-            counter: Counter::new(),
-            slots: [const { Slot::new() }; WINDOW],
-            devices: Devices::new(),
-        };
-        Self { receiver: Receiver::new(), session }
+    pub fn new(settings: Settings) -> Self {
+        const { assert!(1 < WINDOW && WINDOW <= 65 && DEVICES <= 255) }
+        Self { receiver: Receiver::new(), session: Session { settings, ..Session::new_zeroed() } }
     }
 
     /// Replaces the settings. For a session that has just begun.
@@ -225,13 +215,10 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// The next event; `None` when nothing has happened.
     pub fn poll(&mut self, now: u32) -> Option<Event<'_>> {
         let Self { receiver, session } = self;
-        let mut happened = session.next_event();
-        if happened.is_none() && session.handled == 0 && receiver.received() != Received::Nothing {
-            session.handled = 1;
+        if session.pending.is_empty() && session.handled == 0 {
             session.handle(receiver.received(), now);
-            happened = session.next_event();
         }
-        if happened.is_none() {
+        if session.pending.is_empty() {
             if session.handled != 0 {
                 receiver.release();
             }
@@ -240,10 +227,9 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
                 session.on_timer(now);
             }
             session.partial = 0;
-            happened = session.next_event();
         }
         let line = if let Received::Line(line) = receiver.received() { line } else { &[] };
-        session.event(happened?, line)
+        session.next_event(line)
     }
 
     /// Writes the next line to send, if it fits in that room, and returns its length; 0 when there is none. To be
@@ -257,19 +243,11 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// when there are no events and no lines left.
     #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
-        let unhandled = self.session.handled == 0 && self.receiver.received() != Received::Nothing;
+        let unhandled = self.session.handled == 0 && self.receiver.has_ended();
         if unhandled || !self.session.pending.is_empty() {
             return Some(0);
         }
         self.session.next_deadline(now)
-    }
-}
-
-impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
-    /// How many commands may be unanswered.
-    fn window(&self) -> u32 {
-        let most = u32::try_from(WINDOW.saturating_sub(1)).unwrap_or_default();
-        u32::from(self.link.windowsize()).min(most)
     }
 }
 
@@ -285,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_line_came_when_it_was_taken() {
-        let mut host = Host::new(Settings::new());
+        let mut host = Host::new(Settings::default());
         host.send(b"c=set", b"x").unwrap();
         host.output(&mut [0; COMMAND_MAX], COMMAND_MAX, 20);
         host.receive(b"c=set_resp&id=x\n", 30);
@@ -296,7 +274,7 @@ mod tests {
 
     /// All that a session reports and sends when these bytes come in pieces.
     fn told(pieces: &[&[u8]]) -> Vec<String> {
-        let mut host = Host::new(Settings { recognises: 1, ..Settings::new() });
+        let mut host = Host::new(Settings { recognises: 1, ..Settings::default() });
         let mut told = Vec::new();
         for command in [&b"c=set&n=1"[..], b"c=set&n=2", b"c=linksetup&ack=on"] {
             host.send(command, b"x").unwrap();
@@ -310,11 +288,8 @@ mod tests {
                     told.push(format!("{event:?}"));
                 }
                 let mut line = [0; COMMAND_MAX];
-                for _ in 0..100 {
-                    match host.output(&mut line, COMMAND_MAX, 0) {
-                        0 => break,
-                        length => told.push(String::from_utf8(line[..length].to_vec()).unwrap()),
-                    }
+                while let length @ 1.. = host.output(&mut line, COMMAND_MAX, 0) {
+                    told.push(String::from_utf8(line[..length].to_vec()).unwrap());
                 }
                 if rest.is_empty() {
                     break;
@@ -346,13 +321,9 @@ mod tests {
     proptest! {
         #[test]
         fn pieces_make_no_difference(bytes in traffic(), cuts in prop::collection::vec(1..40_usize, 400)) {
-            let mut pieces = Vec::from([&[][..]]);
             let mut rest = &bytes[..];
-            for cut in cuts {
-                let (piece, behind) = rest.split_at(cut.min(rest.len()));
-                pieces.push(piece);
-                rest = behind;
-            }
+            let cut = cuts.iter().filter_map(|cut| rest.split_off(..rest.len().min(*cut)));
+            let pieces: Vec<_> = [&[][..]].into_iter().chain(cut).collect();
             // The commands leave before the first byte, too.
             prop_assert_eq!(told(&[&[], &bytes]), told(&pieces));
         }

@@ -10,14 +10,17 @@ use crate::bytes::before_less;
 /// A line that can be read, seen where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<'a> {
-    line: &'a [u8],
-    count: usize,
-    sum: u16,
-    checksum: Checksum,
+    /// The line without its end.
+    pub line: &'a [u8],
+    /// Number of parameters, the command and a checksum among them: 1 at least.
+    pub count: usize,
+    /// The Fletcher-16 of the line, up to the `&s=` if it has a checksum: what an ack of it repeats.
+    pub sum: u16,
+    /// Whether the line has a checksum, and the right one.
+    pub checksum: Checksum,
 }
 
-/// What a line says about its own intactness: by the first parameter `s`, which is its last (section "Link Setup
-/// command"). Boards look for the first, so one before the checksum makes a line wrong here as it does there.
+/// What a line says about its intactness by the first `s`, its last parameter, as boards do ("Link Setup command").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Checksum {
     /// Nothing.
@@ -102,54 +105,16 @@ impl<'a> Message<'a> {
         Ok(Self { line, count, sum, checksum })
     }
 
-    /// The line without its end.
-    #[must_use]
-    pub const fn line(&self) -> &'a [u8] {
-        self.line
-    }
-
     /// What the line is about: the value of the first parameter. It may be empty.
     #[must_use]
     pub fn command(&self) -> Value<'a> {
         self.text(b"c")
     }
 
-    /// Number of parameters, the command and a checksum among them: 1 at least.
-    #[must_use]
-    #[expect(clippy::len_without_is_empty, reason = "it never is")]
-    pub const fn len(&self) -> usize {
-        self.count
-    }
-
-    /// The Fletcher-16 of the line, up to the `&s=` if it has a checksum: what an ack of it repeats.
-    #[must_use]
-    pub const fn sum(&self) -> u16 {
-        self.sum
-    }
-
-    /// Whether the line has a checksum, and the right one.
-    #[must_use]
-    pub const fn checksum(&self) -> Checksum {
-        self.checksum
-    }
-
     /// The parameters in their order, the command first, a checksum last.
     #[must_use]
     pub const fn params(&self) -> Params<'a> {
         Params::of(self.line)
-    }
-
-    /// The parameter at a place; 0 is the command.
-    #[must_use]
-    pub fn param(&self, index: usize) -> Option<Param<'a>> {
-        self.params().nth(index)
-    }
-
-    /// The parameter of a name, or, as names repeat, the one that has `occurrence` others of that name before it. The
-    /// command is the first `c`.
-    #[must_use]
-    pub fn find(&self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
-        self.params().find_named(name, occurrence)
     }
 
     /// The value of the first parameter of a name.
@@ -178,7 +143,7 @@ impl<'a> Params<'a> {
         Self { rest: line }
     }
 
-    /// See [`Message::find`].
+    /// The parameter of a name that has `occurrence` others of that name before it. The command is the first `c`.
     #[must_use]
     pub fn find_named(self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
         self.piece(name, occurrence).map(Param::of)
@@ -249,38 +214,22 @@ pub(super) const fn without_end(line: &[u8]) -> &[u8] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, Malformed, Message};
-    use std::string::String;
-    use std::vec;
+    use super::{Checksum, Malformed, Message, Value, fletcher16};
     use std::vec::Vec;
 
     fn parse(line: &[u8]) -> Message<'_> {
         Message::parse(line).unwrap_or_else(|error| panic!("{error:?}: {line:?}"))
     }
 
-    fn pairs(line: &str) -> Vec<(String, String)> {
-        let message = parse(line.as_bytes());
-        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-        let pairs: Vec<_> = message.params().map(|param| (text(param.name), text(param.value.raw()))).collect();
-        assert_eq!(pairs.len(), message.len(), "{line}");
-        pairs
-    }
-
-    fn owned(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
-        pairs.iter().map(|(name, value)| (String::from(*name), String::from(*value))).collect()
-    }
-
     #[test]
     fn names_repeat() {
         let line = b"c=go&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1&t=0&id=IqlZci";
         let message = parse(line);
-        assert_eq!(message.len(), 11);
+        assert_eq!(message.count, 11);
         assert_eq!(message.command().raw(), b"go");
-        assert_eq!(message.find(b"c", 0).unwrap().value.raw(), b"go");
-        assert_eq!(message.find(b"c", 1).unwrap().value.raw(), b"50");
-        assert_eq!(message.find(b"c", 2), None);
-        assert_eq!(message.find(b"id", 0), message.param(10));
-        assert_eq!(message.param(11), None);
+        let c = [0, 1, 2].map(|occurrence| message.params().value(b"c", occurrence).map(Value::raw));
+        assert_eq!(c, [Some(&b"go"[..]), Some(b"50"), None]);
+        assert_eq!(message.params().find_named(b"id", 0), message.params().nth(10));
     }
 
     #[test]
@@ -295,11 +244,17 @@ mod tests {
             ("c=onerror&p=Buffer overflow", &[("c", "onerror"), ("p", "Buffer overflow")]),
             ("c=x&Some_Name=!\0\r", &[("c", "x"), ("Some_Name", "!\0\r")]),
         ] {
-            assert_eq!(pairs(line), owned(expected), "{line}");
-            assert_eq!(parse(line.as_bytes()).checksum(), Checksum::None);
+            let message = parse(line.as_bytes());
+            let text = |bytes| str::from_utf8(bytes).unwrap();
+            let pairs: Vec<_> = message.params().map(|param| (text(param.name), text(param.value.raw()))).collect();
+            assert_eq!(
+                (&pairs[..], message.count, message.checksum),
+                (expected, pairs.len(), Checksum::None),
+                "{line}"
+            );
         }
         for end in [&b"\n"[..], b"\r\n"] {
-            assert_eq!(parse(&[b"c=x&y=%0a", end].concat()).line(), b"c=x&y=%0a");
+            assert_eq!(parse(&[b"c=x&y=%0a", end].concat()).line, b"c=x&y=%0a");
         }
     }
 
@@ -330,31 +285,16 @@ mod tests {
             ("c=setswitch&state=1&t=11&id=9o5qzg&s", Checksum::Wrong, 0xa3d6),
         ] {
             let message = parse(line.as_bytes());
-            assert_eq!((message.checksum(), message.sum()), (checksum, sum), "{line}");
+            assert_eq!((message.checksum, message.sum), (checksum, sum), "{line}");
         }
-        let sum = super::super::fletcher16(b"c=x");
+        let sum = fletcher16(b"c=x");
         for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &std::format!("c=x&s={sum:04x}&t=1")] {
-            assert_eq!((parse(line.as_bytes()).checksum(), parse(line.as_bytes()).sum()), (Checksum::Wrong, sum));
-        }
-        for line in ["c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x", "c=x&s&y=1"] {
             let message = parse(line.as_bytes());
-            assert_eq!(
-                (message.checksum(), message.sum()),
-                (Checksum::None, super::super::fletcher16(line.as_bytes()))
-            );
+            assert_eq!((message.checksum, message.sum), (Checksum::Wrong, sum), "{line}");
         }
-    }
-
-    #[test]
-    fn lines_of_any_length() {
-        for length in [4094, 4095, 4096, 4097, 12_288, 12_289, 20_000] {
-            let mut line = vec![b'c', b'='];
-            line.resize(length, 0xFE);
-            let sum = super::super::fletcher16(&line);
-            line.extend(std::format!("&s={sum:04x}").bytes());
-            let message = parse(&line);
-            assert_eq!((message.checksum(), message.len()), (Checksum::Right, 2));
-            assert_eq!(message.command().raw().len(), length - 2);
+        for line in ["c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x", "c=x&s&y=1", &"c=x&".repeat(5000)] {
+            let message = parse(line.as_bytes());
+            assert_eq!((message.checksum, message.sum), (Checksum::None, fletcher16(line.as_bytes())), "{line}");
         }
     }
 }

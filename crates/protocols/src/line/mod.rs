@@ -9,7 +9,7 @@
 //!
 //! let message = Message::parse(b"c=heaterinfo&temp=110.44&state=0&id=M1F910&t=2").unwrap();
 //! assert!(message.command().is(b"heaterinfo"));
-//! assert_eq!(message.find(b"temp", 0).unwrap().value.float(), Ok(110.44));
+//! assert_eq!(message.text(b"temp").float(), Ok(110.44));
 //!
 //! let mut room = [0; 64];
 //! let mut encoder = Encoder::command(&mut room, b"setswitch");
@@ -28,9 +28,10 @@ mod message;
 mod receiver;
 mod value;
 
+pub use crate::decimal::DECIMALS_MAX;
 pub use checksum::{EMPTY_SUM, fletcher16, fletcher16_more};
-pub use encoder::{COMMAND_MAX, DECIMALS_MAX, EncodeError, Encoder};
+pub use encoder::{COMMAND_MAX, EncodeError, Encoder};
 pub use integer::{Integer, IntegerText};
 pub use message::{Checksum, Malformed, Message, Param, Params};
 pub use receiver::{Received, Receiver};
-pub use value::{Decoded, NumberError, TooLong, Value};
+pub use value::{Decoded, NumberError, Value};

@@ -45,8 +45,7 @@ impl<const SIZE: usize> Receiver<SIZE> {
         Self { used: 0, state: RECEIVING, line: [0; SIZE] }
     }
 
-    /// Takes bytes up to the end of the next line and returns how many those were: none while a line is there, see
-    /// [`release`](Self::release).
+    /// Takes bytes up to the next end of a line; how many, none before the last line's [`release`](Self::release).
     pub fn take(&mut self, bytes: &[u8]) -> usize {
         if self.has_ended() {
             return 0;
@@ -160,10 +159,8 @@ mod tests {
     #[test]
     fn ends_of_lines() {
         let line = |text: &[u8]| Some(text.to_vec());
-        assert_eq!(
-            lines::<64>(&[b"c=a\nc=b\r\n\n\r\n\r\r\nc=c\n\rc=d"]),
-            [line(b"c=a"), line(b"c=b"), line(b"\r"), line(b"c=c")]
-        );
+        let lines = lines::<64>(&[b"c=a\nc=b\r\n\n\r\n\r\r\nc=c\n\rc=d"]);
+        assert_eq!(lines, [line(b"c=a"), line(b"c=b"), line(b"\r"), line(b"c=c")]);
     }
 
     #[test]
@@ -210,13 +207,8 @@ mod tests {
             bytes in prop::collection::vec(prop_oneof![Just(b'\n'), Just(b'\r'), Just(b'x'), any::<u8>()], 0..200),
             cuts in prop::collection::vec(1..9_usize, 200),
         ) {
-            let mut pieces = Vec::new();
             let mut rest = &bytes[..];
-            for cut in cuts {
-                let (piece, behind) = rest.split_at(cut.min(rest.len()));
-                pieces.push(piece);
-                rest = behind;
-            }
+            let pieces: Vec<_> = cuts.iter().filter_map(|cut| rest.split_off(..rest.len().min(*cut))).collect();
             prop_assert_eq!(lines::<8>(&[&bytes]), lines::<8>(&pieces));
         }
     }

@@ -6,8 +6,7 @@
 
 use zerocopy::FromBytes;
 
-/// How far the counter moves on before a command is forgotten: 256 less the most commands that a host may have counted
-/// and the device not seen.
+/// How far the counter moves on before a command is forgotten: 256 less what a host may have counted unseen.
 const AGE_MAX: u8 = 192;
 
 /// The answer to a command.
@@ -34,7 +33,7 @@ struct Answer<const REPLY: usize> {
 pub(super) struct Answers<const WINDOW: usize, const REPLY: usize> {
     newest: u8,
     /// Not 0: the newest command has just been executed, which may have taken longer than `now` says.
-    fresh: u8,
+    pub(super) fresh: u8,
     slots: [Answer<REPLY>; WINDOW],
 }
 
@@ -53,13 +52,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         }
     }
 
-    /// Whether a command has been executed since the time was given.
-    pub(super) const fn is_fresh(&self) -> bool {
-        self.fresh != 0
-    }
-
-    /// It is `now`: to be called before anything else that happens then, so that time spent in executing a command does
-    /// not count as time since.
+    /// It is `now`. To be called first, so that the time that a command took does not count as time since.
     pub(super) fn settle(&mut self, now: u32) {
         if self.fresh != 0 {
             self.fresh = 0;
@@ -113,8 +106,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
         &mut self.newest_slot().text
     }
 
-    /// Keeps the answer begun last, which has become that long, for repeats of the command. A sum of 0, which no line
-    /// has, is that of one that is not to be found.
+    /// Keeps the answer begun last, of that length, for repeats. By a sum of 0, which no line has, it is not found.
     pub(super) fn keep(&mut self, t: u8, sum: u16, length: usize) {
         self.fresh = 1;
         let slot = self.newest_slot();

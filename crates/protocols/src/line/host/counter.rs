@@ -16,7 +16,7 @@ pub(super) struct Counter {
     /// Numbers and checksums of the last commands: newer ones take the place of the oldest.
     recent: [Recent; RECENT],
     /// By how much the number has advanced in all: damaged ones may turn it round more than once.
-    advanced: u32,
+    pub(super) advanced: u32,
     /// Where the next goes.
     place: u8,
     /// The next number.
@@ -40,29 +40,6 @@ struct Recent {
 }
 
 impl Counter {
-    pub(super) const fn new() -> Self {
-        Self {
-            recent: [Recent { sum: 0, t: 0, used: 0 }; RECENT],
-            advanced: 0,
-            place: 0,
-            next: 0,
-            counts: 0,
-            heard: 0,
-            last: 0,
-            apart: 0,
-        }
-    }
-
-    /// By how much the number has advanced so far.
-    pub(super) const fn advanced(&self) -> u32 {
-        self.advanced
-    }
-
-    #[cfg(test)]
-    const fn next(&self) -> u8 {
-        self.next
-    }
-
     /// A line of the device's had this number. Returns how many are missing before it.
     pub(super) fn saw(&mut self, t: u8) -> u8 {
         if t == 0 && self.counts == 0 {
@@ -101,8 +78,7 @@ impl Counter {
         self.apart = 0;
     }
 
-    /// Chooses the number of a new command. `sum` is the checksum that the command has with a number, or `None` when
-    /// it is too long with that.
+    /// Chooses a new command's number; `sum` is its checksum with a number, `None` when it is too long with that.
     ///
     /// It is the next one, unless the device could take the command for an older one with the same number and words,
     /// or the number has too many digits. Then it is one that no recent command has.
@@ -144,10 +120,11 @@ impl Counter {
 #[cfg(test)]
 mod tests {
     use super::Counter;
+    use zerocopy::FromZeros;
 
     #[test]
     fn counts_both_ends_together() {
-        let mut counter = Counter::new();
+        let mut counter = Counter::new_zeroed();
         assert_eq!(counter.saw(0), 0);
         assert_eq!(counter.saw(0), 0);
         assert_eq!(counter.choose(|_| Some(7)), Some(0));
@@ -156,16 +133,16 @@ mod tests {
         assert_eq!(counter.choose(|_| Some(7)), Some(11));
         counter.sends(11, 7);
         // Crossed the command.
-        assert_eq!((counter.saw(11), counter.next()), (0, 12));
+        assert_eq!((counter.saw(11), counter.next), (0, 12));
         assert_eq!((counter.saw(12), counter.saw(16), counter.saw(14)), (0, 3, 0));
-        assert_eq!(counter.next(), 17);
+        assert_eq!(counter.next, 17);
         counter.restart();
         assert_eq!((counter.saw(40), counter.saw(41)), (0, 0));
     }
 
     #[test]
     fn a_device_that_counts_its_own_messages_alone() {
-        let mut counter = Counter::new();
+        let mut counter = Counter::new_zeroed();
         assert_eq!((0..4).map(|t| counter.saw(t)).sum::<u8>(), 0);
         for t in 4..250 {
             counter.sends(counter.choose(|t| Some(t.into())).unwrap(), 7);
@@ -177,33 +154,29 @@ mod tests {
 
     #[test]
     fn no_gap_in_front_of_the_first_number() {
-        let mut counter = Counter::new();
+        let mut counter = Counter::new_zeroed();
         counter.sends(0, 1);
         assert_eq!((counter.saw(57), counter.saw(59)), (0, 1));
-        let mut counter = Counter::new();
-        assert_eq!((counter.saw(250), counter.next(), counter.saw(3), counter.next()), (0, 251, 8, 4));
+        let mut counter = Counter::new_zeroed();
+        assert_eq!((counter.saw(250), counter.next, counter.saw(3), counter.next), (0, 251, 8, 4));
     }
 
     #[test]
     fn a_number_is_not_used_again_for_the_same_command_while_it_may_be_remembered() {
-        let mut counter = Counter::new();
+        let mut counter = Counter::new_zeroed();
         counter.sends(0, 7);
-        for t in 1..=255 {
-            assert_eq!(counter.saw(t), 0);
-        }
+        assert!((1..=255).all(|t| counter.saw(t) == 0));
         assert_eq!(counter.choose(|_| Some(8)), Some(0));
         assert_eq!(counter.choose(|_| Some(7)), Some(1));
         counter.sends(1, 7);
-        for _ in 0..super::RECENT {
-            counter.sends(200, 9);
-        }
+        (0..super::RECENT).for_each(|_| counter.sends(200, 9));
         counter.restart();
         assert_eq!(counter.choose(|_| Some(7)), Some(0));
     }
 
     #[test]
     fn a_number_with_few_digits_does_not_turn_the_counter_back() {
-        let mut counter = Counter::new();
+        let mut counter = Counter::new_zeroed();
         assert_eq!(counter.saw(119), 0);
         let short = |sum| move |t| (t < 100).then_some(sum);
         for sum in 0..300 {
@@ -211,7 +184,7 @@ mod tests {
             let t = counter.choose(short(sum)).unwrap();
             assert!(!counter.recent().any(|recent| recent.t == t));
             counter.sends(t, sum);
-            assert_eq!(counter.next(), 120);
+            assert_eq!(counter.next, 120);
         }
         assert_eq!(counter.choose(|_| None), None);
     }

@@ -3,7 +3,7 @@
 use zerocopy::FromBytes;
 
 /// Smoothed round-trip time, its variation, and the backoff.
-#[derive(Clone, Copy, Debug, FromBytes)]
+#[derive(Clone, Debug, Default, FromBytes)]
 pub(super) struct Estimator {
     /// 8 times the smoothed time; 0 when none was measured.
     smoothed: u32,
@@ -19,10 +19,6 @@ const LONGEST: u32 = 3_600_000;
 const BACKOFF_MAX: u8 = 22;
 
 impl Estimator {
-    pub(super) const fn new() -> Self {
-        Self { smoothed: 0, deviation: 0, backoff: 0 }
-    }
-
     /// A round trip was measured, by a command that was sent once: of others it is not known which line was answered.
     pub(super) fn add(&mut self, time: u32) {
         // 0 stands for no measurement.
@@ -60,7 +56,7 @@ mod tests {
 
     #[test]
     fn follows_the_round_trip_and_its_variation() {
-        let mut estimator = Estimator::new();
+        let mut estimator = Estimator::default();
         assert_eq!(estimator.timeout(500, 2000), 500);
         estimator.add(800);
         // RFC 6298: the time and 4 times a half of it.
@@ -75,7 +71,7 @@ mod tests {
 
     #[test]
     fn backs_off_until_the_next_measurement() {
-        let mut estimator = Estimator::new();
+        let mut estimator = Estimator::default();
         let doubled = [(); 4].map(|()| {
             estimator.back_off();
             estimator.timeout(500, 3000)

@@ -1,35 +1,24 @@
 //! The events of a session.
 
+use zerocopy::TryFromBytes;
+
 use super::{Link, Listed, Message, Session, Slot};
 use crate::session::flags;
 
 /// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, TryFromBytes)]
 #[repr(u8)]
 pub enum Outcome {
     /// The device has carried it out and answered.
     Answered = 1,
     /// The device did not carry it out, and says so.
     Refused = 2,
-    /// What was to come back did not come. Whether it was executed is not known, unless it was acknowledged: then
-    /// the device has it.
+    /// What was to come back did not. Whether it was executed is not known; if it was acknowledged, it was received.
     TimedOut = 3,
     /// The device has restarted. Whether it was executed before that is not known.
     Restarted = 4,
     /// It was never sent: since it was queued, checksums came into force, with which it is too long.
     TooLong = 5,
-}
-
-impl Outcome {
-    pub(super) const fn of(stored: u8) -> Self {
-        match stored {
-            1 => Self::Answered,
-            2 => Self::Refused,
-            4 => Self::Restarted,
-            5 => Self::TooLong,
-            _ => Self::TimedOut,
-        }
-    }
 }
 
 /// Why a line was dropped.
@@ -78,101 +67,32 @@ flags! {
     }
 }
 
-/// The part of an event that does not lie in the line.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Happened {
-    Welcome,
-    Linksetup,
-    Acked,
-    Ended(u16, Outcome),
-    Line,
-    Lost,
-    Error,
-    Dropped(Dropped),
-}
-
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
-    /// Takes the next pending event.
-    pub(super) fn next_event(&mut self) -> Option<Happened> {
+    /// Takes the next pending event; `line` is the one that was received, or empty.
+    pub(super) fn next_event<'a>(&mut self, line: &'a [u8]) -> Option<Event<'a>> {
         let first = self.pending.first()?;
+        let message = Message::parse(line).ok();
         if first == Pending::Ended {
             let ended = Self::oldest(&mut self.slots, self.order, Slot::has_ended);
-            let happened = ended.map(|slot| Happened::Ended(slot.handle(), slot.release()));
+            let ended = ended.map(|slot| (slot.handle, slot.release()));
             if !self.slots.iter().any(Slot::has_ended) {
                 self.pending.clear(first);
             }
             // Without one, the session's memory was overwritten.
-            return happened.or_else(|| self.next_event());
+            let Some((handle, outcome)) = ended else { return self.next_event(line) };
+            let has_line = matches!(outcome, Outcome::Answered | Outcome::Refused);
+            return Some(Event::Ended(handle, outcome, message.filter(|_| has_line)));
         }
         self.pending.clear(first);
         Some(match first {
-            Pending::Lost => Happened::Lost,
-            Pending::TooLong => Happened::Dropped(Dropped::TooLong),
-            Pending::Malformed => Happened::Dropped(Dropped::Malformed),
-            Pending::Error => Happened::Error,
-            Pending::Linksetup => Happened::Linksetup,
-            Pending::Acked => Happened::Acked,
-            Pending::Welcome => Happened::Welcome,
-            Pending::Ended | Pending::Line => Happened::Line,
+            Pending::Lost => Event::Lost(self.lost),
+            Pending::TooLong => Event::Dropped(Dropped::TooLong),
+            Pending::Malformed => Event::Dropped(Dropped::Malformed),
+            Pending::Error => Event::Error(self.concerned, message?),
+            Pending::Linksetup => Event::Linksetup(self.link),
+            Pending::Acked => Event::Acked(self.concerned),
+            Pending::Welcome => Event::Welcome(self.devices.listed(&message?), message?),
+            Pending::Ended | Pending::Line => Event::Line(message?),
         })
-    }
-
-    /// The event, now that the line is at hand.
-    pub(super) fn event<'a>(&self, happened: Happened, line: &'a [u8]) -> Option<Event<'a>> {
-        let message = Message::parse(line).ok();
-        Some(match happened {
-            Happened::Welcome => Event::Welcome(self.listed(), message?),
-            Happened::Linksetup => Event::Linksetup(self.link),
-            Happened::Acked => Event::Acked(self.concerned),
-            Happened::Ended(handle, outcome) => {
-                let has_line = matches!(outcome, Outcome::Answered | Outcome::Refused);
-                Event::Ended(handle, outcome, message.filter(|_| has_line))
-            }
-            Happened::Line => Event::Line(message?),
-            Happened::Lost => Event::Lost(self.lost),
-            Happened::Error => Event::Error(self.concerned, message?),
-            Happened::Dropped(why) => Event::Dropped(why),
-        })
-    }
-
-    pub(super) fn set_listed(&mut self, listed: Listed) {
-        let (kind, index) = match listed {
-            Listed::Whole(index) => (0, index),
-            Listed::Cut(index) => (1, index),
-            Listed::Full => (2, 0),
-            Listed::IdTooLong => (3, 0),
-            Listed::NoId => (4, 0),
-        };
-        self.listed = kind;
-        self.listed_at = u8::try_from(index).unwrap_or_default();
-    }
-
-    fn listed(&self) -> Listed {
-        // The session's memory may have been overwritten.
-        let index = Some(usize::from(self.listed_at)).filter(|index| *index < DEVICES);
-        match (self.listed, index) {
-            (0, Some(index)) => Listed::Whole(index),
-            (1, Some(index)) => Listed::Cut(index),
-            (2, _) => Listed::Full,
-            (3, _) => Listed::IdTooLong,
-            _ => Listed::NoId,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Listed;
-    use crate::line::host::{Host, Settings};
-
-    #[test]
-    fn a_place_that_does_not_exist_is_not_reported() {
-        let mut session = Host::<81, 2, 16>::new(Settings::new()).session;
-        session.set_listed(Listed::Cut(15));
-        assert_eq!(session.listed(), Listed::Cut(15));
-        for place in [16, 255] {
-            session.listed_at = place;
-            assert_eq!(session.listed(), Listed::NoId);
-        }
     }
 }

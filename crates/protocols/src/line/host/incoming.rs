@@ -1,8 +1,8 @@
 //! What a line from the device means.
 
 use super::event::Pending;
-use super::setup_again::OWN_HANDLE;
-use super::{Link, Message, Outcome, Session, Slot};
+use super::queue::OWN_HANDLE;
+use super::{Link, Message, Outcome, Session, SetupFields, Slot};
 use crate::line::device::Fault;
 use crate::line::message::same;
 use crate::line::{Received, Value};
@@ -11,6 +11,7 @@ use crate::session::count;
 impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     /// Handles what was received.
     pub(super) fn handle(&mut self, received: Received<'_>, now: u32) {
+        self.handled = u8::from(received != Received::Nothing);
         match received {
             Received::Nothing => (),
             Received::TooLong => {
@@ -33,23 +34,20 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         count(&mut self.health.lines);
         let name = message.command();
         if name.is(b"ack") {
-            self.acked(message);
-            return;
+            return self.acked(message);
         }
         // A refusal is trusted directly behind its command's ack alone.
         let acked = self.acked;
         self.acked = 0;
         if name.is(b"onerror") {
-            self.failed(message, acked, now);
-            return;
+            return self.failed(message, acked, now);
         }
         self.counted(message);
         if name.is(b"welcome") {
-            self.welcome(message);
-            return;
+            return self.welcome(message);
         }
         self.own_setup = 0;
-        let linksetup = Link::of(message);
+        let linksetup = SetupFields::of(message);
         if name.is(b"linksetup")
             && let Some(fields) = linksetup
         {
@@ -86,34 +84,31 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // A damaged name is no `null`.
         let null = written.map_or(!self.link.checks(), |written| written.is(b"null"));
         let found = self.slots.iter_mut().find(|slot| {
-            let right = sum.map_or(null, |sum| sum == slot.sum());
-            slot.is_out() && t == Some(slot.t()) && slot.is_of(id) && right
+            let right = sum.map_or(null, |sum| sum == slot.sum);
+            slot.is_out() && t == Some(slot.t) && slot.is_of(id) && right
         });
-        let Some(slot) = found else {
-            count(&mut self.health.strays);
-            return;
-        };
-        self.acked = slot.handle();
+        let Some(slot) = found else { return count(&mut self.health.strays) };
+        self.acked = slot.handle;
         if !slot.is_linksetup() {
             // The device may have its acks and checksums set by somebody else, or none.
             let mut link = self.link;
-            link.set_acks(true);
-            link.set_checks(link.checks() && sum.is_some());
+            link.ack = 1;
+            link.checksum = u8::from(link.checks() && sum.is_some());
             if link != self.link {
                 self.link = link;
                 self.pending.set(Pending::Linksetup);
             }
         }
         if slot.acknowledge() {
-            if slot.handle() != OWN_HANDLE {
-                self.concerned = slot.handle();
+            if slot.handle != OWN_HANDLE {
+                self.concerned = slot.handle;
                 self.pending.set(Pending::Acked);
             }
-            if slot.sent() == 1 {
-                self.health.round_trips.add(slot.elapsed(heard_at));
+            if slot.transmission.sent() == 1 {
+                self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 self.acks.add(slot.waited(heard_at));
             }
-            let handle = slot.handle();
+            let handle = slot.handle;
             self.heard_of(handle);
         }
     }
@@ -126,7 +121,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let needs_ack = self.link.acks() && !is_setup;
         // Some devices encode less than they should: without acks, what two lines that ran together look like is enough.
         let id = if needs_ack { only(message, b"id") } else { message.get(b"id").filter(|_| !is_joined(message)) };
-        let fields = if is_setup { Link::of(message) } else { None };
+        let fields = if is_setup { SetupFields::of(message) } else { None };
         let slot = Self::oldest(&mut self.slots, self.order, |slot| {
             let asked = if is_setup { slot.asks_for() } else { None };
             // Each thing that was asked for has to be answered legibly.
@@ -140,16 +135,16 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         });
         let found = slot.is_some();
         if let Some(slot) = slot {
-            if slot.sent() == 1 {
+            if slot.transmission.sent() == 1 {
                 if !slot.is_acked() {
-                    self.health.round_trips.add(slot.elapsed(heard_at));
+                    self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 }
                 self.answers.add(slot.waited(heard_at));
             }
-            let handle = slot.handle();
+            let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, Outcome::Answered);
-        } else if name.bytes().count() > 5 && is_named_like_an_answer(name) {
+        } else if is_named_like_an_answer(name) {
             count(&mut self.health.strays);
         }
         if let Some(fields) = fields.filter(|fields| found || fields.ack.is_some() && fields.checksum.is_some()) {
@@ -165,7 +160,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         self.pending.set(Pending::Error);
         self.concerned = 0;
         self.own_setup = 0;
-        let code = message.get(b"code").unwrap_or_default();
+        let code = message.text(b"code");
         let is = |fault: Fault| code.is(fault.code());
         let executed = is(Fault::TooLong);
         if executed || is(Fault::UnknownCommand) || is(Fault::UnknownId) || is(Fault::Refused) {
@@ -181,24 +176,20 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let (t, id) = (only(message, b"t").and_then(Value::byte), only(message, b"id"));
         let link = self.link;
         let found = self.slots.iter_mut().find(|slot| {
-            let directly = slot.handle() == acked || !link.acks() || slot.is_linksetup();
-            slot.is_out() && directly && t == Some(slot.t()) && slot.is_of(id)
+            let directly = slot.handle == acked || !link.acks() || slot.is_linksetup();
+            slot.is_out() && directly && t == Some(slot.t) && slot.is_of(id)
         });
-        let Some(slot) = found else {
-            count(&mut self.health.strays);
-            return;
-        };
-        self.concerned = slot.handle();
+        let Some(slot) = found else { return count(&mut self.health.strays) };
+        self.concerned = slot.handle;
         // What was refused may be a damaged repeat of what was executed.
-        if slot.sent() == 1 || link.checks() {
-            let handle = slot.handle();
+        if slot.transmission.sent() == 1 || link.checks() {
+            let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, outcome);
         }
     }
 
-    /// The device has received something that it can't read, or not all of something. What that was, it can't know:
-    /// probably the oldest command that it has said nothing about.
+    /// The device has received damage: probably of the oldest command that it has said nothing about.
     fn damaged(&mut self, by_checksum: bool, now: u32) {
         let link = self.link;
         let needed = link.acks();
@@ -208,31 +199,27 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }) else {
             return;
         };
-        self.concerned = slot.handle();
+        self.concerned = slot.handle;
         if by_checksum && !link.checks() && !slot.is_summed() {
-            self.link.set_checks(true);
+            self.link.checksum = 1;
             self.pending.set(Pending::Linksetup);
         }
-        if slot.is_waiting() {
-            let handle = slot.handle();
-            // A line that falls apart is reported more than once, and of several commands it is not known which was
-            // damaged: a device that does not recognise repeats would execute one twice.
-            let certain = self.settings.recognises != 0 || out == 1 && slot.sent() == 1;
-            self.retransmit_now(handle, certain, now);
+        // A line that falls apart is reported more than once, and of several commands it is not known which was damaged:
+        // a device that does not recognise repeats would execute one twice.
+        let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent() == 1;
+        let safe = certain || slot.is_linksetup();
+        if slot.is_waiting() && safe && slot.may_be_repeated(&self.settings, self.counter.advanced, now) {
+            slot.retransmit();
+            count(&mut self.health.repeats);
         }
     }
 
     fn welcome(&mut self, message: &Message<'_>) {
-        let (listed, restarted) = self.devices.welcome(message);
-        self.set_listed(listed);
         self.pending.set(Pending::Welcome);
-        if restarted {
-            self.restarted();
+        if !self.devices.welcome(message) {
+            return;
         }
-    }
-
-    /// The device has restarted: it knows nothing of what was before.
-    fn restarted(&mut self) {
+        // It has restarted, and knows nothing of what was before.
         count(&mut self.health.restarts);
         self.counter.restart();
         self.asked = if self.own_setup == 0 { 1 } else { self.asked };
@@ -257,14 +244,12 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
     }
 }
 
-/// The parameter `t` or `id`, if the line is in one piece and there is no second of either: where an end was damaged,
-/// what is said about one command would be taken for what is said about another.
+/// The parameter `t` or `id`, if the line is in one piece: damaged ends would mix what is said about two commands.
 fn only<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
     message.get(name).filter(|_| !is_torn(message) && !is_joined(message))
 }
 
-/// Whether there is a `=` in a value: nobody sends it unencoded, but where a separator or an end was damaged it is
-/// there.
+/// Whether there is a `=` in a value: nobody sends it unencoded, but a damaged separator or end leaves it there.
 fn is_torn(message: &Message<'_>) -> bool {
     message.params().any(|param| param.value.raw().iter().any(|byte| matches!(byte, b'=')))
 }
@@ -272,7 +257,8 @@ fn is_torn(message: &Message<'_>) -> bool {
 /// Whether it looks like two lines that lost the end between them.
 fn is_joined(message: &Message<'_>) -> bool {
     let has_bad_t = message.get(b"t").is_some_and(|t| t.byte().is_none());
-    has_bad_t || message.find(b"t", 1).is_some() || message.find(b"id", 1).is_some()
+    let repeats = |name: &[u8]| message.params().value(name, 1).is_some();
+    has_bad_t || repeats(b"t") || repeats(b"id")
 }
 
 /// The last parameter of a name: the link's own are behind the others.
@@ -281,6 +267,6 @@ fn last<'a>(message: &Message<'a>, name: &[u8]) -> Option<Value<'a>> {
 }
 
 fn is_named_like_an_answer(name: Value<'_>) -> bool {
-    let length = name.bytes().count();
-    name.bytes().skip(length.saturating_sub(b"_resp".len())).eq(b"_resp".iter().copied())
+    let before = name.len().saturating_sub(b"_resp".len());
+    before > 0 && name.bytes().skip(before).eq(*b"_resp")
 }

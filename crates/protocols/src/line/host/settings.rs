@@ -12,8 +12,7 @@ pub struct Settings {
     pub timeout_ms: u32,
     /// The same for an answer; 0: as long as for an ack.
     pub answer_ms: u32,
-    /// How long after a command was sent first it may still be retransmitted; 0: 4000. For longer than this, and the
-    /// time that a line may be on its way, a device has to remember which commands it has executed.
+    /// How long after a command was first sent it may be sent again; 0: 4000. A device has to remember it for longer.
     pub repeat_ms: u32,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: i16,
@@ -26,12 +25,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The default.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { timeout_ms: 0, answer_ms: 0, repeat_ms: 0, repeats: 0, recognises: 0, baud: 0, receive_room: 0 }
-    }
-
     pub(super) fn timeout(&self) -> u32 {
         span(self.timeout_ms, 500)
     }
@@ -62,20 +55,16 @@ impl Settings {
     }
 }
 
-/// What is in force on a link, as far as the host knows. All zero is what it begins with: neither acks nor checksums,
-/// one command at a time (section "Link Setup command").
-#[derive(Clone, Copy, Debug, Default, FromBytes)]
+/// What is in force on a link, as known; all zero: no acks, no checksums, a window of 1 ("Link Setup command").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes)]
 pub struct Link {
-    ack: u8,
-    checksum: u8,
-    windowsize: u16,
+    pub(super) ack: u8,
+    pub(super) checksum: u8,
+    /// 0 stands for 1, which is never here.
+    pub(super) windowsize: u16,
 }
 
 impl Link {
-    pub(super) const fn new() -> Self {
-        Self { ack: 0, checksum: 0, windowsize: 0 }
-    }
-
     /// Whether the device acknowledges commands.
     #[must_use]
     pub const fn acks(&self) -> bool {
@@ -94,22 +83,26 @@ impl Link {
         if self.windowsize == 0 { 1 } else { self.windowsize }
     }
 
-    pub(super) const fn set_acks(&mut self, ack: bool) {
-        self.ack = ack as u8;
+    /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
+    pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
+        self.ack = fields.ack.map_or(self.ack, u8::from);
+        self.checksum = fields.checksum.map_or(self.checksum, u8::from);
+        self.windowsize = fields.windowsize.map(|size| size.min(most)).filter(|size| *size > 1).unwrap_or(0);
     }
+}
 
-    pub(super) const fn set_checks(&mut self, checksum: bool) {
-        self.checksum = checksum as u8;
-    }
+/// What a line says about the link.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SetupFields {
+    pub(super) ack: Option<bool>,
+    pub(super) checksum: Option<bool>,
+    pub(super) windowsize: Option<u16>,
+}
 
-    pub(super) const fn set_windowsize(&mut self, windowsize: u16) {
-        self.windowsize = windowsize;
-    }
-
-    /// What a line `linksetup` or `linksetup_resp` says: each parameter that it has. `None` when one of them makes no
-    /// sense.
-    pub(super) fn of(message: &Message<'_>) -> Option<SetupFields> {
-        let mut fields = SetupFields { ack: None, checksum: None, windowsize: None };
+impl SetupFields {
+    /// What a line `linksetup` or `linksetup_resp` says; `None` when one of these parameters makes no sense.
+    pub(super) fn of(message: &Message<'_>) -> Option<Self> {
+        let mut fields = Self::default();
         if let Some(value) = message.get(b"ack") {
             fields.ack = Some(either(value.is(b"on"), value.is(b"off"))?);
         }
@@ -121,30 +114,6 @@ impl Link {
         }
         Some(fields)
     }
-
-    /// Puts it in force; of the window, at most `most`. A window size that is not said is 1.
-    pub(super) fn adopt(&mut self, fields: SetupFields, most: u16) {
-        self.ack = fields.ack.map_or(self.ack, u8::from);
-        self.checksum = fields.checksum.map_or(self.checksum, u8::from);
-        self.windowsize = fields.windowsize.unwrap_or(1).min(most).max(1);
-    }
-}
-
-impl PartialEq for Link {
-    fn eq(&self, other: &Self) -> bool {
-        let of = |link: &Self| (link.acks(), link.checks(), link.windowsize());
-        of(self) == of(other)
-    }
-}
-
-impl Eq for Link {}
-
-/// What a line says about the link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SetupFields {
-    pub(super) ack: Option<bool>,
-    pub(super) checksum: Option<bool>,
-    pub(super) windowsize: Option<u16>,
 }
 
 fn either(yes: bool, no: bool) -> Option<bool> {
@@ -153,11 +122,11 @@ fn either(yes: bool, no: bool) -> Option<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Link, Message, Settings};
+    use super::{Link, Message, Settings, SetupFields};
 
     #[test]
     fn zero_is_the_default_and_what_is_out_of_range_the_nearest_that_is_not() {
-        let mut settings = Settings::new();
+        let mut settings = Settings::default();
         assert_eq!((settings.timeout(), settings.answer(), settings.repeat()), (500, 500, 4000));
         assert_eq!(settings.repeats(), 3);
         (settings.timeout_ms, settings.repeats) = (u32::MAX, 1000);
@@ -184,11 +153,11 @@ mod tests {
         ] {
             let (ack, checksum, windowsize) = before;
             let mut link = Link { ack, checksum, windowsize };
-            let fields = Link::of(&Message::parse(line).unwrap());
+            let fields = SetupFields::of(&Message::parse(line).unwrap());
             if let Some(fields) = fields {
                 link.adopt(fields, 40000);
             }
-            assert_eq!(fields.map(|_| (link.ack, link.checksum, link.windowsize)), after);
+            assert_eq!(fields.map(|_| (link.ack, link.checksum, link.windowsize())), after);
         }
     }
 }

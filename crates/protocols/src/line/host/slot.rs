@@ -1,10 +1,11 @@
-//! A command on its way.
+//! A command on its way: its text, how far it is, and the line that is made of it.
 
-mod text;
+use zerocopy::{FromBytes, TryFromBytes};
 
-use zerocopy::FromBytes;
-
-use super::{Outcome, QueueError};
+use super::{Outcome, QueueError, Settings, SetupFields};
+use crate::line::encoder::{is_name, is_param_name};
+use crate::line::message::same;
+use crate::line::{COMMAND_MAX, Encoder, Message, Value, fletcher16};
 use crate::session::{Transmission, left};
 
 /// Bytes that a command's text and its id take together at most, when `&t=`, two digits, `&id=` and LF are to fit too.
@@ -15,28 +16,28 @@ const TEXT_MAX: usize = 54;
 pub(super) struct Slot {
     /// When it was sent first.
     first_at: u32,
-    transmission: Transmission,
+    pub(super) transmission: Transmission,
     /// When it began to wait for what comes next: when its line was fetched, or an older command was heard of.
     since: u32,
     /// How long from then on its line was not on the wire yet.
     delay: u32,
     /// Its place in the order in which commands are queued.
-    order: u32,
+    pub(super) order: u32,
     /// Places of its first and last line in the order in which lines are sent.
-    first_line: u32,
-    last_line: u32,
+    pub(super) first_line: u32,
+    pub(super) last_line: u32,
     /// By how much the counter had advanced when it was sent first.
     mark: u32,
     /// What the caller knows it by.
-    handle: u16,
+    pub(super) handle: u16,
     /// Checksum of the line.
-    sum: u16,
+    pub(super) sum: u16,
     /// How far it is.
     stage: u8,
     /// How it ended.
     outcome: u8,
     /// The line's number.
-    t: u8,
+    pub(super) t: u8,
     /// Bits of `ACKED`, `LINKSETUP` and `SUMMED`.
     flags: u8,
     /// Bytes of the line that was sent last.
@@ -45,7 +46,7 @@ pub(super) struct Slot {
     command_length: u8,
     id_length: u8,
     /// Number of older commands that have ended, and may have been executed after it.
-    overtaken: u8,
+    pub(super) overtaken: u8,
     /// The command as the caller built it, and behind that the id, encoded.
     text: [u8; TEXT_MAX],
 }
@@ -69,65 +70,34 @@ const LINKSETUP: u8 = 2;
 const SUMMED: u8 = 4;
 
 impl Slot {
-    pub(super) const fn new() -> Self {
-        Self {
-            first_at: 0,
-            transmission: Transmission::new(),
-            since: 0,
-            delay: 0,
-            order: 0,
-            first_line: 0,
-            last_line: 0,
-            mark: 0,
-            handle: 0,
-            sum: 0,
-            stage: FREE,
-            outcome: 0,
-            t: 0,
-            flags: 0,
-            length: 0,
-            command_length: 0,
-            id_length: 0,
-            overtaken: 0,
-            text: [0; TEXT_MAX],
-        }
-    }
-
-    const fn stage(&self) -> u8 {
-        match self.stage {
-            stage @ QUEUED..=ENDED => stage,
-            _ => FREE,
-        }
-    }
-
     pub(super) const fn is_free(&self) -> bool {
-        self.stage() == FREE
+        !matches!(self.stage, QUEUED..=ENDED)
     }
 
     pub(super) const fn is_queued(&self) -> bool {
-        self.stage() == QUEUED
+        self.stage == QUEUED
     }
 
     pub(super) const fn is_due(&self) -> bool {
-        self.stage() == DUE
+        self.stage == DUE
     }
 
     pub(super) const fn is_waiting(&self) -> bool {
-        self.stage() == SENT
+        self.stage == SENT
     }
 
     /// It was sent, and has not ended.
     pub(super) const fn is_out(&self) -> bool {
-        matches!(self.stage(), DUE | SENT)
+        matches!(self.stage, DUE | SENT)
     }
 
     /// It has not ended.
     pub(super) const fn is_going_on(&self) -> bool {
-        matches!(self.stage(), QUEUED..=SENT)
+        matches!(self.stage, QUEUED..=SENT)
     }
 
     pub(super) const fn has_ended(&self) -> bool {
-        self.stage() == ENDED
+        self.stage == ENDED
     }
 
     pub(super) const fn is_acked(&self) -> bool {
@@ -142,47 +112,38 @@ impl Slot {
         self.flags & SUMMED != 0
     }
 
-    pub(super) const fn handle(&self) -> u16 {
-        self.handle
-    }
-
-    pub(super) const fn sum(&self) -> u16 {
-        self.sum
-    }
-
-    pub(super) const fn sent(&self) -> u8 {
-        self.transmission.sent()
-    }
-
     /// How many commands were queued since, up to that one.
     pub(super) const fn age(&self, order: u32) -> u32 {
         order.wrapping_sub(self.order)
     }
 
-    pub(super) const fn order(&self) -> u32 {
-        self.order
-    }
-
     /// Takes a command in, if there is none: on errors there is none still.
-    pub(super) fn queue(
-        &mut self,
-        command: &[u8],
-        id: &[u8],
-        checksum: bool,
-        order: u32,
-        handle: u16,
-    ) -> Result<(), QueueError> {
-        self.set_text(command, id, checksum)?;
+    pub(super) fn queue(&mut self, command: &[u8], id: &[u8], checksum: bool) -> Result<(), QueueError> {
+        let message = Message::parse(command).ok().filter(is_strict).ok_or(QueueError::Malformed)?;
+        if id.is_empty() {
+            return Err(QueueError::Malformed);
+        }
+        let mut room = [0; COMMAND_MAX];
+        let mut encoded = Encoder::resume(&mut room, 0);
+        encoded.text(b"id", id);
+        if encoded.error().is_some() {
+            return Err(QueueError::TooLong);
+        }
+        let end = encoded.length();
+        let id = room.get(b"&id=".len()..end).unwrap_or_default();
+        let command = message.line;
+        let mut places = self.text.iter_mut();
+        for byte in command.iter().chain(id) {
+            *places.next().ok_or(QueueError::TooLong)? = *byte;
+        }
+        self.command_length = u8::try_from(command.len()).map_err(|_| QueueError::TooLong)?;
+        self.id_length = u8::try_from(id.len()).map_err(|_| QueueError::TooLong)?;
+        self.flags = if message.command().is(b"linksetup") { LINKSETUP } else { 0 };
+        self.write(99, checksum, &mut [0; COMMAND_MAX]).ok_or(QueueError::TooLong)?;
         self.stage = QUEUED;
         self.transmission.restart();
         self.overtaken = 0;
-        self.order = order;
-        self.handle = handle;
         Ok(())
-    }
-
-    pub(super) const fn t(&self) -> u8 {
-        self.t
     }
 
     /// It leaves for the first time.
@@ -197,7 +158,7 @@ impl Slot {
 
     /// It was sent, as the line of that place in the order of all, and will have left after `delay`.
     pub(super) fn sent_as(&mut self, checksum: bool, line: u32, length: usize, now: u32, delay: u32) {
-        if self.sent() == 0 {
+        if self.transmission.sent() == 0 {
             self.first_line = line;
         }
         self.last_line = line;
@@ -215,18 +176,7 @@ impl Slot {
         (self.since, self.delay) = (now, 0);
     }
 
-    /// Places of its first line and its last.
-    pub(super) const fn lines(&self) -> (u32, u32) {
-        (self.first_line, self.last_line)
-    }
-
-    /// Number of older commands that have ended, and may have been executed after it.
-    pub(super) fn overtaken(&self) -> u32 {
-        self.overtaken.into()
-    }
-
-    /// An older command has ended, of which that was the last of so many lines. If it was sent once more behind this
-    /// one, it may have been executed behind it.
+    /// An older command has ended. If its last line was behind the first of this one, it may have been executed behind.
     pub(super) fn older_ended(&mut self, last_line: u32, newest: u32) {
         if newest.wrapping_sub(last_line) < newest.wrapping_sub(self.first_line) {
             self.overtaken = self.overtaken.saturating_add(1);
@@ -253,7 +203,8 @@ impl Slot {
 
     pub(super) fn release(&mut self) -> Outcome {
         self.stage = FREE;
-        Outcome::of(self.outcome)
+        // Any other value than it was given means that the session's memory was overwritten.
+        Outcome::try_read_from_bytes(&[self.outcome]).unwrap_or(Outcome::TimedOut)
     }
 
     /// How much of `span` is left, for which it waits once its line has left.
@@ -278,14 +229,146 @@ impl Slot {
         if self.is_waiting() && !(acks && self.is_acked()) { self.length.into() } else { 0 }
     }
 
+    /// Whether it may be sent once more.
+    pub(super) fn may_be_repeated(&self, settings: &Settings, advanced: u32, now: u32) -> bool {
+        let recent = self.is_recent(settings.repeat(), advanced, now);
+        self.transmission.sent() <= settings.repeats() && (recent || self.is_linksetup())
+    }
+
     /// Whether it is so little since it was sent first that the device still remembers it.
-    pub(super) fn is_recent(&self, now: u32, span: u32, advanced: u32) -> bool {
+    pub(super) fn is_recent(&self, span: u32, advanced: u32, now: u32) -> bool {
         let within = left(now, self.first_at, span.saturating_add(1)) > 0;
         within && advanced.wrapping_sub(self.mark) < 128
     }
 
-    /// How long after it was sent last that was.
-    pub(super) const fn elapsed(&self, at: u32) -> u32 {
-        self.transmission.elapsed(at)
+    fn command(&self) -> &[u8] {
+        self.text.get(..usize::from(self.command_length)).unwrap_or_default()
+    }
+
+    fn id(&self) -> Value<'_> {
+        let begin = usize::from(self.command_length);
+        let end = begin.saturating_add(usize::from(self.id_length));
+        Value::new(self.text.get(begin..end).unwrap_or_default())
+    }
+
+    /// The name of the command, as it stands in the text behind `c=`.
+    fn name(&self) -> &[u8] {
+        let behind = self.command().get(b"c=".len()..).unwrap_or_default();
+        behind.split(|byte| *byte == b'&').next().unwrap_or_default()
+    }
+
+    /// Whether it has the same name and is for the same device, so that an answer may be either's.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        same(self.name(), other.name()) && same(self.id().raw(), other.id().raw())
+    }
+
+    /// Bytes of the line at most.
+    pub(super) fn longest(&self, checksum: bool) -> u32 {
+        let added = if checksum { "&t=255&id=\n&s=xxxx".len() } else { "&t=255&id=\n".len() };
+        let length = added.saturating_add(self.command_length.into()).saturating_add(self.id_length.into());
+        u32::try_from(length).unwrap_or(u32::MAX)
+    }
+
+    /// Whether a message is about the same device.
+    pub(super) fn is_of(&self, id: Option<Value<'_>>) -> bool {
+        id.is_some_and(|id| id.bytes().eq(self.id().bytes()))
+    }
+
+    /// Whether a message of that name is the answer.
+    pub(super) fn is_answered_by(&self, name: Value<'_>) -> bool {
+        name.bytes().eq(self.name().iter().chain(b"_resp").copied())
+    }
+
+    /// The parameters of a linksetup.
+    pub(super) fn asks_for(&self) -> Option<SetupFields> {
+        Message::parse(self.command()).ok().and_then(|message| SetupFields::of(&message))
+    }
+
+    /// The line with that number: its checksum, or `None` when it is too long.
+    pub(super) fn sum_with(&self, t: u8, checksum: bool) -> Option<u16> {
+        let mut line = [0; COMMAND_MAX];
+        let length = self.write(t, checksum, &mut line)?;
+        let tail = if checksum { b"&s=xxxx\n".len() } else { b"\n".len() };
+        Some(fletcher16(line.get(..length.checked_sub(tail)?)?))
+    }
+
+    /// Writes the line with that number; its length, or `None` when it is too long.
+    pub(super) fn write(&self, t: u8, checksum: bool, line: &mut [u8; COMMAND_MAX]) -> Option<usize> {
+        let command = self.command();
+        for (place, byte) in line.iter_mut().zip(command) {
+            *place = *byte;
+        }
+        let mut encoder = Encoder::resume(line, command.len());
+        encoder.word(b"t", t.into()).raw(b"id", self.id().raw());
+        encoder.finish(checksum).ok()
+    }
+}
+
+/// Whether a line is as the page wants what is sent, and has none of the parameters that the session adds.
+fn is_strict(message: &Message<'_>) -> bool {
+    // Nothing between two of them is no parameter.
+    let pieces = message.line.split(|byte| *byte == b'&').count();
+    is_name(message.command().raw())
+        && message.line.iter().all(u8::is_ascii_graphic)
+        && pieces == message.count
+        && message.params().all(|param| is_param_name(param.name) && !matches!(param.name, b"t" | b"id"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMMAND_MAX, QueueError, Slot};
+    use zerocopy::FromZeros;
+
+    fn queued(command: &[u8], id: &[u8], checksum: bool) -> Result<Slot, QueueError> {
+        let mut slot = Slot::new_zeroed();
+        slot.queue(command, id, checksum)?;
+        assert!(slot.is_queued());
+        Ok(slot)
+    }
+
+    #[test]
+    fn the_lines_of_the_page() {
+        for (command, t, id, checksum, line) in [
+            (&b"c=setswitch&state=1"[..], 11, &b"9o5qzg"[..], false, &b"c=setswitch&state=1&t=11&id=9o5qzg\n"[..]),
+            (b"c=setswitch&state=1", 11, b"9o5qzg", true, b"c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6\n"),
+            (b"c=x", 255, b"a b", false, b"c=x&t=255&id=a%20b\n"),
+        ] {
+            let slot = queued(command, id, checksum).unwrap();
+            let mut out = [0; COMMAND_MAX];
+            let length = slot.write(t, checksum, &mut out).unwrap();
+            assert_eq!(out[..length], *line);
+        }
+        let slot = queued(b"c=linksetup&ack=on&checksum=fletcher16", b"sf6z34", true).unwrap();
+        assert!(slot.is_linksetup());
+        assert_eq!((slot.sum_with(2, false), slot.sum_with(2, true)), (Some(0xd293), Some(0xd293)));
+        let slot = queued(b"c=setswitch&state=1", b"9o5qzg", false).unwrap();
+        assert!(slot.is_of(Some(super::Value::new(b"%39o5qzg"))) && !slot.is_of(Some(super::Value::new(b"9o5qz"))));
+        assert!(slot.is_answered_by(super::Value::new(b"setswitch_resp")));
+        assert!(!slot.is_answered_by(super::Value::new(b"setswitch")) && !slot.is_of(None));
+    }
+
+    #[test]
+    fn lines_that_are_too_long() {
+        let go = b"c=go&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1";
+        let slot = queued(go, b"IqlZci", false).unwrap();
+        assert!(slot.sum_with(99, false).is_some() && slot.sum_with(100, false).is_none());
+        assert_eq!(queued(go, b"IqlZci", true).err(), Some(QueueError::TooLong));
+        assert_eq!(queued(go, b"IqlZcix", false).err(), Some(QueueError::TooLong));
+        assert_eq!(queued(go, &[b'x'; 300], false).err(), Some(QueueError::TooLong));
+        let setup = b"c=linksetup&windowsize=1&ack=on&checksum=fletcher16";
+        assert_eq!(queued(setup, b"sf6z34", false).err(), Some(QueueError::TooLong));
+    }
+
+    #[test]
+    fn lines_that_are_not_sent() {
+        let commands = ["", "x=1", "c=", "c", "c=a b", "c=a-b", "c=a\nc=b"];
+        let params =
+            ["c=a&x=1 2", "c=a&x=%4", "c=a&&x=1", "c=a&x=1&", "c=a&=1", "c=a&x-y=1", "c=a&x=\u{c3}", "c=a&x=\r"];
+        let reserved = ["c=a&t=1", "c=a&x=1&id=x", "c=a&s=1234", "c=a&s=5&x=1", "c=a&s", "c=a&s&x=1"];
+        for line in commands.iter().chain(&params).chain(&reserved) {
+            assert_eq!(queued(line.as_bytes(), b"9o5qzg", false).err(), Some(QueueError::Malformed), "{line:?}");
+        }
+        assert_eq!(queued(b"c=a", b"", false).err(), Some(QueueError::Malformed));
+        assert!(queued(b"c=Set_2&Id=5&num_blocks=-1.5%20_", b"9o5qzg", false).is_ok());
     }
 }

@@ -14,40 +14,21 @@ pub const NAME_MAX: usize = 31;
 /// Longest version of a device.
 pub const VERSION_MAX: usize = 15;
 
-/// Bytes of an id and the zero behind it.
-const ID_SIZE: usize = ID_MAX + 1;
-const TYPE_SIZE: usize = TYPE_MAX + 1;
-const NAME_SIZE: usize = NAME_MAX + 1;
-const VERSION_SIZE: usize = VERSION_MAX + 1;
-
 /// A device. Its texts are decoded and end with a 0; those it did not give are empty.
 #[derive(Clone, Debug, FromBytes)]
 pub struct Device {
     /// What it is called in messages.
-    pub id: [u8; ID_SIZE],
+    pub id: [u8; ID_MAX + 1],
     /// What it is, e.g. `OzekiSwitchController`.
-    pub r#type: [u8; TYPE_SIZE],
+    pub r#type: [u8; TYPE_MAX + 1],
     /// What its user calls it.
-    pub name: [u8; NAME_SIZE],
+    pub name: [u8; NAME_MAX + 1],
     /// Its version.
-    pub version: [u8; VERSION_SIZE],
+    pub version: [u8; VERSION_MAX + 1],
     /// Its place among the devices behind the microcontroller; 0 when it did not give one.
     pub pos: i32,
     /// Not 0: its type, name or version is longer than there is room, and was cut off.
     pub cut: u8,
-}
-
-impl Device {
-    const fn new() -> Self {
-        Self {
-            id: [0; ID_SIZE],
-            r#type: [0; TYPE_SIZE],
-            name: [0; NAME_SIZE],
-            version: [0; VERSION_SIZE],
-            pos: 0,
-            cut: 0,
-        }
-    }
 }
 
 /// The devices of a session, `DEVICES` at most.
@@ -75,27 +56,22 @@ pub enum Listed {
 }
 
 impl<const DEVICES: usize> Devices<DEVICES> {
-    pub(super) const fn new() -> Self {
-        const { assert!(DEVICES <= 255) }
-        Self { device: [const { Device::new() }; DEVICES], signed_in: [0; DEVICES], count: 0 }
-    }
-
     pub(super) fn all(&self) -> &[Device] {
         self.device.get(..self.count.into()).unwrap_or(&self.device)
     }
 
-    /// A device signs in. Returns too whether it did so before, without any other sign of a restart: then this is one.
-    pub(super) fn welcome(&mut self, message: &Message<'_>) -> (Listed, bool) {
-        let mut id = [0; ID_SIZE];
-        let Some(told) = message.get(b"id").filter(|id| !id.is_empty()) else {
-            return (Listed::NoId, false);
-        };
-        if write(&mut id, Some(told)) {
-            return (Listed::IdTooLong, false);
-        }
-        let known = self.all().iter().position(|device| same_text(&device.id, &id));
+    /// A device signs in. Returns whether it did so before, without any other sign of a restart: then this is one.
+    pub(super) fn welcome(&mut self, message: &Message<'_>) -> bool {
+        let Ok(id) = id_of(message) else { return false };
+        let known = self.find(id);
         let index = known.unwrap_or(self.all().len());
-        let Some(device) = self.device.get_mut(index) else { return (Listed::Full, false) };
+        let Some(device) = self.device.get_mut(index) else { return false };
+        let mut cut = write(&mut device.id, id);
+        cut |= write(&mut device.r#type, message.text(b"type"));
+        cut |= write(&mut device.name, message.text(b"name"));
+        cut |= write(&mut device.version, message.text(b"version"));
+        device.cut = u8::from(cut);
+        device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
         if known.is_none() {
             self.count = u8::try_from(index.wrapping_add(1)).unwrap_or_default();
         }
@@ -107,22 +83,43 @@ impl<const DEVICES: usize> Devices<DEVICES> {
                 *signed_in = 0;
             }
         }
-        for (place, byte) in device.id.iter_mut().zip(id) {
-            *place = byte;
+        restarted
+    }
+
+    /// Whether and where the device is listed that has signed in by this line.
+    pub(super) fn listed(&self, message: &Message<'_>) -> Listed {
+        let id = match id_of(message) {
+            Ok(id) => id,
+            Err(unlisted) => return unlisted,
+        };
+        match self.find(id).and_then(|index| Some((index, self.device.get(index)?))) {
+            Some((index, Device { cut: 0, .. })) => Listed::Whole(index),
+            Some((index, _)) => Listed::Cut(index),
+            None => Listed::Full,
         }
-        let mut cut = write(&mut device.r#type, message.get(b"type"));
-        cut |= write(&mut device.name, message.get(b"name"));
-        cut |= write(&mut device.version, message.get(b"version"));
-        device.cut = u8::from(cut);
-        device.pos = message.get(b"pos").and_then(|pos| pos.int().ok()).unwrap_or_default();
-        (if cut { Listed::Cut(index) } else { Listed::Whole(index) }, restarted)
+    }
+
+    /// The place of the device of an id.
+    fn find(&self, id: Value<'_>) -> Option<usize> {
+        self.all().iter().position(|device| id.is(before_zero(&device.id)))
     }
 }
 
-/// Writes a text and zeros behind it, and returns whether that is not the whole text: for want of room, or as there is a
-/// zero in it.
-fn write(out: &mut [u8], value: Option<Value<'_>>) -> bool {
-    let mut text = value.unwrap_or_default().bytes();
+/// The id of a device that signs in, or why it can't be listed.
+fn id_of<'a>(message: &Message<'a>) -> Result<Value<'a>, Listed> {
+    let id = message.text(b"id");
+    if id.is_empty() {
+        Err(Listed::NoId)
+    } else if id.len() > ID_MAX || id.bytes().any(|byte| byte == 0) {
+        Err(Listed::IdTooLong)
+    } else {
+        Ok(id)
+    }
+}
+
+/// Writes a text and zeros behind it. Whether that is not all of it: for want of room, or as there is a zero in it.
+fn write(out: &mut [u8], value: Value<'_>) -> bool {
+    let mut text = value.bytes();
     let mut cut = false;
     if let Some((end, room)) = out.split_last_mut() {
         for place in room {
@@ -135,10 +132,9 @@ fn write(out: &mut [u8], value: Option<Value<'_>>) -> bool {
     cut || text.next().is_some()
 }
 
-/// Whether two texts are the same up to their first zero.
-fn same_text(one: &[u8], other: &[u8]) -> bool {
-    let text = |bytes: &'_ [u8]| bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-    one.iter().take(text(one)).eq(other.iter().take(text(other)))
+/// A text up to its first zero.
+fn before_zero(text: &[u8]) -> &[u8] {
+    text.split(|byte| *byte == 0).next().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -146,12 +142,15 @@ mod tests {
     use super::{Device, Listed, Message, TYPE_MAX};
     use std::format;
     use std::string::String;
+    use zerocopy::FromZeros;
 
     const DEVICES: usize = 16;
     type Devices = super::Devices<DEVICES>;
 
     fn welcome(devices: &mut Devices, line: &str) -> (Listed, bool) {
-        devices.welcome(&Message::parse(line.as_bytes()).unwrap())
+        let message = Message::parse(line.as_bytes()).unwrap();
+        let restarted = devices.welcome(&message);
+        (devices.listed(&message), restarted)
     }
 
     fn text(bytes: &[u8]) -> String {
@@ -166,22 +165,20 @@ mod tests {
 
     #[test]
     fn are_listed() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         let line = "c=welcome&id=M1F910&type=OzekiTemperatureController&pos=6&name=Heater%20Ext1&version=1.0.0";
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(0), false));
         let line = "c=welcome&type=Ozeki3DPrinterDisc&id=OZPDSC";
         assert_eq!(welcome(&mut devices, line), (Listed::Whole(1), false));
-        let device = &devices.all()[0];
-        assert_eq!(texts(device), ["M1F910", "OzekiTemperatureController", "Heater Ext1", "1.0.0"]);
-        assert_eq!((device.pos, device.cut), (6, 0));
-        let device = &devices.all()[1];
-        assert_eq!((texts(device), device.pos), (["OZPDSC", "Ozeki3DPrinterDisc", "", ""].map(String::from), 0));
-        assert_eq!(devices.all().len(), 2);
+        let [heater, disc] = devices.all() else { panic!("there are two") };
+        assert_eq!(texts(heater), ["M1F910", "OzekiTemperatureController", "Heater Ext1", "1.0.0"]);
+        assert_eq!(texts(disc), ["OZPDSC", "Ozeki3DPrinterDisc", "", ""]);
+        assert_eq!((heater.pos, heater.cut, disc.pos), (6, 0, 0));
     }
 
     #[test]
     fn a_restart_is_seen_once() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         for round in 0..3 {
             for (place, id) in ["a", "b", "c"].into_iter().enumerate() {
                 let listed = (Listed::Whole(place), round > 0 && place == 0);
@@ -196,7 +193,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_told() {
-        let mut devices = Devices::new();
+        let mut devices = Devices::new_zeroed();
         let long = "x".repeat(TYPE_MAX + 1);
         assert_eq!(welcome(&mut devices, &format!("c=welcome&id=a&type={long}")), (Listed::Cut(0), false));
         assert_eq!(texts(&devices.all()[0])[1], long[1..]);

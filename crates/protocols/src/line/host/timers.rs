@@ -1,7 +1,7 @@
 //! Timeouts: retransmitting, giving up.
 
 use super::event::Pending;
-use super::setup_again::OWN_HANDLE;
+use super::queue::OWN_HANDLE;
 use super::{Outcome, Session, Slot};
 use crate::session::count;
 
@@ -23,7 +23,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         // Each of them once.
         for _ in 0..WINDOW {
             let Some(slot) = self.slots.iter().find(|slot| self.time_left(slot, now) == Some(0)) else { break };
-            let handle = slot.handle();
+            let handle = slot.handle;
             count(&mut self.health.timeouts);
             // A device that has acknowledged it executes it again, and without acks it may have executed it.
             let unheard = self.link.acks() && !slot.is_acked();
@@ -33,7 +33,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             } else {
                 answer_overdue = true;
             }
-            if !(safe && self.may_retransmit(slot, now)) {
+            if !(safe && slot.may_be_repeated(&self.settings, self.counter.advanced, now)) {
                 self.give_up(handle);
             } else if let Some(slot) = self.slot(handle) {
                 slot.retransmit();
@@ -48,24 +48,9 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }
     }
 
-    /// Retransmits a command at once, as the device asks for, when it may be.
-    pub(super) fn retransmit_now(&mut self, handle: u16, certain: bool, now: u32) {
-        let found = self.slots.iter().find(|slot| slot.is_out() && slot.handle() == handle);
-        let may = found.is_some_and(|slot| (certain || slot.is_linksetup()) && self.may_retransmit(slot, now));
-        if let Some(slot) = self.slot(handle).filter(|_| may) {
-            slot.retransmit();
-            count(&mut self.health.repeats);
-        }
-    }
-
-    fn may_retransmit(&self, slot: &Slot, now: u32) -> bool {
-        let recent = slot.is_recent(now, self.settings.repeat(), self.counter.advanced());
-        slot.sent() <= self.settings.repeats() && (recent || slot.is_linksetup())
-    }
-
     /// The command that is out and has that handle.
     fn slot(&mut self, handle: u16) -> Option<&mut Slot> {
-        self.slots.iter_mut().find(|slot| slot.is_out() && slot.handle() == handle)
+        self.slots.iter_mut().find(|slot| slot.is_out() && slot.handle == handle)
     }
 
     /// Whether an ack is what it waits for.
@@ -84,7 +69,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 
     /// Something was heard of a command, at `heard_at`: only now can anything be heard of those behind it.
     pub(super) fn heard_of(&mut self, handle: u16) {
-        let Some(age) = self.slot(handle).map(|slot| slot.order()) else { return };
+        let Some(age) = self.slot(handle).map(|slot| slot.order) else { return };
         let (order, at) = (self.order, self.heard_at);
         let age = order.wrapping_sub(age);
         for newer in self.slots.iter_mut().filter(|newer| newer.is_out() && newer.age(order) < age) {
@@ -103,7 +88,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             if acked {
                 self.link.adopt(setup, 1);
             }
-            self.link.set_windowsize(1);
+            self.link.windowsize = 0;
             self.ask_next();
         }
     }
@@ -116,7 +101,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         if handle == OWN_HANDLE {
             slot.release();
         }
-        let (age, (first, last)) = (slot.age(order), slot.lines());
+        let (age, first, last) = (slot.age(order), slot.first_line, slot.last_line);
         if handle != OWN_HANDLE {
             self.pending.set(Pending::Ended);
         }
