@@ -146,6 +146,8 @@ static void device_starts_anew(void)
     CHECK(ended(setup, OLP_HOST_ANSWERED));
 }
 
+#define LONG_ID "abcdefghijklmno"
+
 /* What was asked for is asked for again, in front of the next command; of that no end is told. */
 static void a_restarted_device_is_set_up_again(void)
 {
@@ -199,6 +201,26 @@ static void a_restarted_device_is_set_up_again(void)
     CHECK(linked(1, 1, 2));
     CHECK(sends(""));
     CHECK_INT(health().restarts, 2);
+
+    /* With the longest id, checksums that come into force meanwhile make it too long: nothing is told of that either. */
+    begin();
+    comes("c=welcome&id=" LONG_ID);
+    CHECK(tells(OLP_HOST_WELCOME));
+    handle = olp_host_setup(&host, LONG_ID, 1, 1, -1);
+    CHECK(sends("c=linksetup&ack=on&checksum=fletcher16&t=0&id=" LONG_ID "\n"));
+    comes("c=linksetup_resp&ack=on&checksum=fletcher16&id=" LONG_ID);
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(ended(handle, OLP_HOST_ANSWERED));
+    comes("c=welcome&id=" LONG_ID);
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(tells(OLP_HOST_WELCOME));
+    CHECK(linked(0, 0, 1));
+    comes("c=linksetup&ack=off&checksum=fletcher16");
+    CHECK(tells(OLP_HOST_LINKSETUP));
+    CHECK(linked(0, 1, 1));
+    CHECK(sends(""));
+    CHECK(tells_nothing());
+    CHECK_INT(olp_host_next_deadline(&host, now), -1);
 }
 
 /* A device that counts its own messages alone, as the device pages have it. */

@@ -128,7 +128,9 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             let t = if first { self.counter.choose(|t| slot.sum_with(t, checksum)) } else { Some(slot.t) };
             let Some(t) = t else {
                 slot.end(Outcome::TooLong);
-                self.pending.set(Pending::Ended);
+                if handle != OWN_HANDLE {
+                    self.pending.set(Pending::Ended);
+                }
                 continue;
             };
             // A host that starts, or a device that does, has to find out about checksums.

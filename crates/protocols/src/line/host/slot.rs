@@ -2,6 +2,7 @@
 
 use zerocopy::{FromBytes, TryFromBytes};
 
+use super::queue::OWN_HANDLE;
 use super::{Outcome, QueueError, Settings, SetupFields};
 use crate::line::encoder::{is_name, is_param_name};
 use crate::line::message::same;
@@ -196,8 +197,9 @@ impl Slot {
         first
     }
 
+    /// It has ended, which is not reported of the session's own.
     pub(super) fn end(&mut self, outcome: Outcome) {
-        self.stage = ENDED;
+        self.stage = if self.handle == OWN_HANDLE { FREE } else { ENDED };
         self.outcome = outcome as u8;
     }
 

@@ -98,9 +98,6 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let (order, newest) = (self.order, self.lines);
         let Some(slot) = self.slot(handle) else { return };
         slot.end(outcome);
-        if handle == OWN_HANDLE {
-            slot.release();
-        }
         let (age, first, last) = (slot.age(order), slot.first_line, slot.last_line);
         if handle != OWN_HANDLE {
             self.pending.set(Pending::Ended);
