@@ -53,43 +53,17 @@ pub const fn count(counter: &mut u32) {
 /// was answered.
 #[derive(Clone, Copy, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Transmission {
-    sent_at: u32,
-    sent: u8,
+    /// When it was sent last; kept when something else is to be sent.
+    pub sent_at: u32,
+    /// How often it was sent, up to 255.
+    pub sent: u8,
 }
 
 impl Transmission {
-    /// Not sent yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { sent_at: 0, sent: 0 }
-    }
-
     /// It is sent, for the first time or again.
     pub const fn send(&mut self, now: u32) {
         self.sent_at = now;
         self.sent = self.sent.saturating_add(1);
-    }
-
-    /// It leaves only now, or this transmission does not count.
-    pub const fn delay(&mut self, now: u32) {
-        self.sent_at = now;
-    }
-
-    /// Something else is to be sent. When the last was sent is kept.
-    pub const fn restart(&mut self) {
-        self.sent = 0;
-    }
-
-    /// How often it was sent, up to 255.
-    #[must_use]
-    pub const fn sent(&self) -> u8 {
-        self.sent
-    }
-
-    /// When it was sent last.
-    #[must_use]
-    pub const fn sent_at(&self) -> u32 {
-        self.sent_at
     }
 
     /// How long ago it was sent last.
@@ -120,7 +94,7 @@ pub trait Flag: Copy {
 }
 
 /// A set of flags in an integer. Bits that stand for no flag are ignored.
-#[derive(Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
 #[repr(transparent)]
 pub struct Flags<F> {
     bits: u16,
@@ -187,14 +161,6 @@ impl<F: Flag> Flags<F> {
     }
 }
 
-impl<F> Clone for Flags<F> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<F> Copy for Flags<F> {}
-
 impl<F: Flag> Default for Flags<F> {
     fn default() -> Self {
         Self::new()
@@ -245,12 +211,6 @@ pub struct RoundTrips {
 }
 
 impl RoundTrips {
-    /// None yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { count: 0, last: 0, min: 0, max: 0, sum: 0 }
-    }
-
     /// Adds a measured one.
     pub const fn add(&mut self, time: u32) {
         self.last = time;
@@ -286,16 +246,13 @@ mod tests {
 
     #[test]
     fn a_transmission_is_counted_and_timed() {
-        let mut sent = Transmission::new();
-        sent.send(10);
-        sent.send(u32::MAX);
-        assert_eq!((sent.sent(), sent.sent_at(), sent.elapsed(4), sent.left(4, 12)), (2, u32::MAX, 5, 7));
-        sent.delay(1);
-        assert_eq!((sent.sent(), sent.left(4, 12)), (2, 9));
-        sent.restart();
-        assert_eq!((sent.sent(), sent.sent_at()), (0, 1));
-        (0..300).for_each(|now| sent.send(now));
-        assert_eq!((sent.sent(), sent.sent_at()), (255, 299));
+        let mut transmission = Transmission::default();
+        transmission.send(10);
+        transmission.send(u32::MAX);
+        assert_eq!((transmission.sent, transmission.sent_at), (2, u32::MAX));
+        assert_eq!((transmission.elapsed(4), transmission.left(4, 12)), (5, 7));
+        (0..300).for_each(|now| transmission.send(now));
+        assert_eq!((transmission.sent, transmission.sent_at), (255, 299));
     }
 
     flags! {
@@ -334,7 +291,7 @@ mod tests {
 
     #[test]
     fn round_trips() {
-        let mut times = RoundTrips::new();
+        let mut times = RoundTrips::default();
         for time in [7, 3, 11] {
             times.add(time);
         }

@@ -238,7 +238,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// the motion side says how.
     pub fn control(&mut self, control: Control) {
         self.control = control.bits();
-        self.control_sent.restart();
+        self.control_sent.sent = 0;
         self.send.set(Send::Control);
         self.is.set(Is::Asking);
         if control == Control::Stop && !matches!(self.stage, OPEN | DRAINING) {

@@ -62,7 +62,7 @@ impl Session {
             self.accept(Fact::Acked, now);
         } else if self.operation.stage() == Stage::Sent {
             self.operation.answer(false, now, &mut self.health);
-            if self.operation.transmission.sent() == 1 {
+            if self.operation.transmission.sent == 1 {
                 self.operation.end(Outcome::Refused);
             } else {
                 self.operation.stage = Stage::NackAfterRetry as u8;

@@ -37,7 +37,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
         if self.control_left(now) == Some(0) {
             count(&mut self.health.timeouts);
-            if self.settings.allows(self.control_sent.sent()) {
+            if self.settings.allows(self.control_sent.sent) {
                 self.send.set(Send::Control);
             } else {
                 self.give_up_asking();

@@ -134,7 +134,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             // A host that starts, or a device that does, has to find out about checksums.
             let flip = !first
                 && slot.is_linksetup()
-                && slot.transmission.sent() % 2 == 1
+                && slot.transmission.sent % 2 == 1
                 && slot.sum_with(slot.t, !checksum).is_some();
             let checksum = checksum != flip;
             let Some(length) = slot.write(t, checksum, line) else {
