@@ -15,6 +15,7 @@
     )
 )]
 #![allow(missing_docs, unreachable_pub)]
+#![allow(clippy::missing_errors_doc, reason = "the error types say when")]
 
 #[cfg(test)]
 extern crate std;

@@ -57,7 +57,6 @@
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Accepted(Opcode::HOMING)));
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Ended(Opcode::HOMING, Outcome::Finished)));
 //! ```
-#![expect(clippy::missing_errors_doc, reason = "Busy says it")]
 
 mod operation;
 mod request;

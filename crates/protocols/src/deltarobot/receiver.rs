@@ -102,11 +102,8 @@ impl<const ROOM: usize> Receiver<ROOM> {
         unread.unwrap_or_default().is_empty()
     }
 
-    /// Takes a byte, and says whether [`next`](Self::next) is to be called.
-    ///
-    /// # Errors
-    ///
-    /// [`Full`] when [`next`](Self::next) was not called in spite of that, and a few bytes have come since.
+    /// Takes a byte, and says whether [`next`](Self::next) is to be called. [`Full`] when that was not done, and a
+    /// few bytes have come since.
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
         let have = self.have.get::<ROOM>();
@@ -146,10 +143,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// Fetches the next frame: to be called until there is none.
-    ///
-    /// # Errors
-    ///
-    /// [`NoFrame`] when more bytes are needed.
     #[inline(always)]
     #[expect(clippy::should_implement_trait, reason = "what it returns borrows from the receiver")]
     pub fn next(&mut self) -> Result<Frame<'_>, NoFrame> {
@@ -157,10 +150,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// The same, for callers that have asked [`is_due`](Self::is_due) before.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_due(&mut self) -> Result<Frame<'_>, NoFrame> {
         let found = self.look(false, &mut ())?;
@@ -168,10 +157,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// The same, and the observer learns what is thrown away.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_observed(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
         let found = self.find(false, observer)?;
@@ -179,11 +164,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// Like [`next`](Self::next) for a line that has been quiet for longer than a frame takes: what is incomplete will
-    /// stay so, and is passed over.
-    ///
-    /// # Errors
-    ///
-    /// [`NoFrame`] when there is no frame; the receiver is empty now.
+    /// stay so, and is passed over. When there is no frame, the receiver is empty then.
     #[inline(always)]
     pub fn next_idle(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
         let found = self.find(true, observer)?;
@@ -192,20 +173,12 @@ impl<const ROOM: usize> Receiver<ROOM> {
 
     /// Fetches the next frame of what has been received and of the input behind it, which becomes what is left of it:
     /// nothing when there is no frame. Frames that lie in the input are not copied.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_of<'a, 'b: 'a>(&'a mut self, input: &mut &'b [u8]) -> Result<Frame<'a>, NoFrame> {
         self.next_of_observed(input, &mut ())
     }
 
     /// The same, and the observer learns what is thrown away.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_of_observed<'a, 'b: 'a>(
         &'a mut self,

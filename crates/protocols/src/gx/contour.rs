@@ -46,11 +46,7 @@ impl Contour {
     }
 
     /// Writes the command that leads to the next position; returns its length in bytes. Axes that are not the path's
-    /// are ignored; without a velocity, that of the last segment holds.
-    ///
-    /// # Errors
-    ///
-    /// See [`EncodeError`]. The path then still ends where it did.
+    /// are ignored; without a velocity, that of the last segment holds. After an error the path still ends where it did.
     pub fn segment(
         &mut self,
         number: Option<Number>,

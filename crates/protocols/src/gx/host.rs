@@ -216,10 +216,6 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// Requests a move behind those requested before. Axes that it does not name stay where they are; without a
     /// velocity, that of the move before holds.
-    ///
-    /// # Errors
-    ///
-    /// See [`QueueError`].
     pub fn move_to(&mut self, target: &Vector) -> Result<(), QueueError> {
         check(target, false).map_err(|_| QueueError::Range)?;
         if self.window.push(target) { Ok(()) } else { Err(QueueError::Busy) }

@@ -112,11 +112,7 @@ impl Vector {
     }
 
     /// Moves a position, whose mask flags the known axes, to where a vector leads: to its values, or on by them if they
-    /// are deltas. The velocity goes with it.
-    ///
-    /// # Errors
-    ///
-    /// See [`Lost`]; nothing has changed then.
+    /// are deltas. The velocity goes with it. When it can't be followed, nothing changes.
     pub fn follow(&mut self, vector: &Self, is_step: bool) -> Result<(), Lost> {
         // All of it or nothing: the first round only looks.
         let mut writes = false;

@@ -128,11 +128,8 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
         self.answers.fresh != 0 || coarse != known
     }
 
-    /// Whether a line is a command that was received intact; if so, the link goes on with that command.
-    ///
-    /// # Errors
-    ///
-    /// If it is not intact, what is wrong.
+    /// Whether a line is a command that was received intact; if so, the link goes on with that command. Else what is
+    /// wrong.
     pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
         let sum = message.sum;
         match message.checksum {

@@ -162,11 +162,8 @@ impl<'a> Encoder<'a> {
         self.put_digits(low, b'a');
     }
 
-    /// Ends the line, with its checksum if wanted, and returns the length of the whole.
-    ///
-    /// # Errors
-    ///
-    /// The first error there was. The buffer's first byte is then 0.
+    /// Ends the line, with its checksum if wanted, and returns the length of the whole, or the first error there
+    /// was. The buffer's first byte is 0 then.
     pub fn finish(&mut self, checksum: bool) -> Result<usize, EncodeError> {
         if checksum {
             let sum = fletcher16(self.room.get(..self.length).unwrap_or_default());

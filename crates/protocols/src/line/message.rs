@@ -60,11 +60,7 @@ impl<'a> Param<'a> {
 }
 
 impl<'a> Message<'a> {
-    /// Reads a line, with or without its end (LF or CR LF).
-    ///
-    /// # Errors
-    ///
-    /// When it can't be read: see [`Malformed`]. A wrong checksum is no such error: see [`checksum`](Self::checksum).
+    /// Reads a line, with or without its end (LF or CR LF). A wrong checksum is no error: see [`checksum`](Self::checksum).
     pub fn parse(line: &'a [u8]) -> Result<Self, Malformed> {
         let line = without_end(line);
         if !matches!(line, [b'c'] | [b'c', b'=' | b'&', ..]) {

@@ -69,10 +69,6 @@ impl<'a> Value<'a> {
     }
 
     /// Reads an integer: an optional sign and digits.
-    ///
-    /// # Errors
-    ///
-    /// When it is none, or beyond what the type holds.
     pub fn int<T: Integer>(self) -> Result<T, NumberError> {
         T::read(self.bytes())
     }
@@ -101,10 +97,7 @@ impl<'a> Value<'a> {
     }
 
     /// Reads a decimal number, such as `-1000.00` or `1e3`, as the nearest `f32`; a tie goes to the even one.
-    ///
-    /// # Errors
-    ///
-    /// When it is none (infinities and NaNs have no decimal digits), or so large that an infinity would be nearest.
+    /// Infinities and NaNs have no decimal digits; what is so large that an infinity would be nearest is out of range.
     pub fn float(self) -> Result<f32, NumberError> {
         let (negative, digits) = signed(self.bytes());
         let (bits, rest) = decimal::read_float(digits).ok_or(NumberError::Malformed)?;
