@@ -160,7 +160,6 @@ fn copy_into_ring_wide<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], b
 
 /// A place that may be past a ring's end, by less than its size.
 #[inline(always)]
-#[must_use]
 pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
     if SIZE.is_power_of_two() {
         place & SIZE.wrapping_sub(1)
@@ -174,14 +173,12 @@ pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
 /// Room, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or memcpy, and
 /// firmware may have neither.
 #[inline(always)]
-#[must_use]
 pub fn zeros<const WORDS: usize>() -> [u16; WORDS] {
     [black_box(0); WORDS]
 }
 
 /// Adds the bytes to a sum modulo 256.
 #[inline(always)]
-#[must_use]
 pub fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     if WIDE {
         while bytes.len() > 2 * BLOCK
@@ -296,7 +293,6 @@ pub fn copy_and_add_up<T>(mut sum: u8, from: &[u8], to: &mut [T], item: impl Fn(
 /// Fletcher's two sums in one, second above first and each modulo 255, of those before `sum` and more bytes. 0 is 255,
 /// unless it was 0 before.
 #[inline(always)]
-#[must_use]
 pub fn fletcher(sum: u16, bytes: &[u8]) -> u16 {
     let [mut second, mut first] = sum.to_be_bytes();
     if WIDE {
@@ -385,7 +381,6 @@ pub fn divide_by_ten(number: &mut [u8]) -> u8 {
 
 /// How many bytes are in front of the first that is below a limit, of at most 128.
 #[inline(always)]
-#[must_use]
 pub fn before_less(bytes: &[u8], limit: u8) -> usize {
     const ONES: u64 = 0x0101_0101_0101_0101;
     let mut before = 0_usize;

@@ -271,7 +271,6 @@ pub trait Real:
     fn sqrt(self) -> Self;
 
     /// The nearest float.
-    #[must_use]
     fn to_f32(self) -> f32;
 
     /// Without its sign.

@@ -11,7 +11,6 @@ use core::marker::PhantomData;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// How much of `span` is left at `now` when it began at `since`; 0 when it is over.
-#[must_use]
 #[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn left(now: u32, since: u32, span: u32) -> u32 {
     span.saturating_sub(now.wrapping_sub(since))
@@ -19,7 +18,6 @@ pub const fn left(now: u32, since: u32, span: u32) -> u32 {
 
 /// The duration that a setting stands for, where 0 is the default. At most half of what wraps, so that its end is
 /// noticed.
-#[must_use]
 #[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn span(setting: u32, default: u32) -> u32 {
     match setting {
@@ -32,7 +30,6 @@ pub const fn span(setting: u32, default: u32) -> u32 {
 const LONGEST: u32 = 0x7FFF_FFFF;
 
 /// The number of times that a setting stands for, where 0 is the default and what is below 0 stands for `negative`.
-#[must_use]
 pub fn times(setting: i16, default: u8, negative: u8) -> u8 {
     match setting {
         ..0 => negative,
@@ -67,13 +64,11 @@ impl Transmission {
     }
 
     /// How long ago it was sent last.
-    #[must_use]
     pub const fn elapsed(&self, now: u32) -> u32 {
         now.wrapping_sub(self.sent_at)
     }
 
     /// How much of `timeout` is left since it was sent last.
-    #[must_use]
     pub const fn left(&self, now: u32, timeout: u32) -> u32 {
         left(now, self.sent_at, timeout)
     }
@@ -85,11 +80,9 @@ pub trait Flag: Copy {
     const ALL: u16;
 
     /// The flag's bit.
-    #[must_use]
     fn bit(self) -> u16;
 
     /// The flag that has this bit.
-    #[must_use]
     fn of_bit(bit: u16) -> Option<Self>;
 }
 
@@ -103,21 +96,18 @@ pub struct Flags<F> {
 
 impl<F: Flag> Flags<F> {
     /// The empty set.
-    #[must_use]
     pub const fn new() -> Self {
         Self { bits: 0, flag: PhantomData }
     }
 
     /// Whether there is no flag.
     #[inline]
-    #[must_use]
     pub fn is_empty(self) -> bool {
         self.bits & F::ALL == 0
     }
 
     /// Whether the flag is set.
     #[inline]
-    #[must_use]
     pub fn has(self, flag: F) -> bool {
         self.bits & flag.bit() != 0
     }
@@ -145,7 +135,6 @@ impl<F: Flag> Flags<F> {
 
     /// The first flag that is set, in the order in which they are declared.
     #[inline]
-    #[must_use]
     pub fn first(self) -> Option<F> {
         let bits = self.bits & F::ALL;
         // The lowest bit: smaller than to count zeros where the processor can't.

@@ -12,7 +12,6 @@ use crate::bytes;
 const SPARE: usize = 5;
 
 /// The parameter of a [`Receiver`] of frames with payloads of at most `longest` bytes, 1 to 255.
-#[must_use]
 pub const fn receiver_room(longest: usize) -> usize {
     longest.wrapping_add(const { FRAME_OVERHEAD.wrapping_add(SPARE) })
 }
@@ -82,7 +81,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     };
 
     /// One that has received nothing.
-    #[must_use]
     pub const fn new() -> Self {
         Self { have: Count::ZERO, last: Count::ZERO, at: Count::ZERO, buffer: [0; ROOM] }
     }
@@ -96,7 +94,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// Whether nothing is there that may be part of a frame.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         let unread = self.buffer.get(self.at.get::<ROOM>()..self.have.get::<ROOM>());
         unread.unwrap_or_default().is_empty()
@@ -137,7 +134,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
 
     /// Whether [`next`](Self::next) is to be called.
     #[inline(always)]
-    #[must_use]
     pub const fn is_due(&self) -> bool {
         self.have.get::<ROOM>() > self.last.get::<ROOM>()
     }

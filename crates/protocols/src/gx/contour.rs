@@ -22,7 +22,6 @@ pub struct Contour {
 
 impl Contour {
     /// A path of these axes (bit i is axis i; other bits are ignored), the position where it begins unknown.
-    #[must_use]
     pub const fn new(axes: u8) -> Self {
         let mut target = Vector::new();
         target.mask = axes & MASK_AXES;

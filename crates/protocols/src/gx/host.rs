@@ -203,7 +203,6 @@ flags! {
 
 impl<const WINDOW: usize> Host<WINDOW> {
     /// A session that has just begun.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         const { assert!(1 <= WINDOW && WINDOW <= 255, "the window must hold 1 to 255 moves") };
         Self { settings, ..Self::new_zeroed() }
@@ -247,13 +246,11 @@ impl<const WINDOW: usize> Host<WINDOW> {
     }
 
     /// How many moves were requested whose ends were not fetched.
-    #[must_use]
     pub const fn unfinished(&self) -> u8 {
         self.window.count
     }
 
     /// How the link does.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.health
     }

@@ -33,7 +33,6 @@ pub enum Message {
 
 impl<const NOTICES: bool> Receiver<NOTICES> {
     /// What was found by the last call, which returned this kind.
-    #[must_use]
     pub fn item(&self, kind: Kind) -> Item {
         let number = self.number();
         let mut vector = *self.vector();

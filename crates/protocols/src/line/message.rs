@@ -102,25 +102,21 @@ impl<'a> Message<'a> {
     }
 
     /// What the line is about: the value of the first parameter. It may be empty.
-    #[must_use]
     pub fn command(&self) -> Value<'a> {
         self.text(b"c")
     }
 
     /// The parameters in their order, the command first, a checksum last.
-    #[must_use]
     pub const fn params(&self) -> Params<'a> {
         Params::of(self.line)
     }
 
     /// The value of the first parameter of a name.
-    #[must_use]
     pub fn get(&self, name: &[u8]) -> Option<Value<'a>> {
         self.params().value(name, 0)
     }
 
     /// The same; nothing when there is none.
-    #[must_use]
     pub fn text(&self, name: &[u8]) -> Value<'a> {
         self.get(name).unwrap_or_default()
     }
@@ -134,19 +130,16 @@ pub struct Params<'a> {
 
 impl<'a> Params<'a> {
     /// Those of a line without its end.
-    #[must_use]
     pub const fn of(line: &'a [u8]) -> Self {
         Self { rest: line }
     }
 
     /// The parameter of a name that has `occurrence` others of that name before it. The command is the first `c`.
-    #[must_use]
     pub fn find_named(self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
         self.piece(name, occurrence).map(Param::of)
     }
 
     /// The value of what [`find_named`](Self::find_named) finds.
-    #[must_use]
     pub fn value(self, name: &[u8], occurrence: usize) -> Option<Value<'a>> {
         self.piece(name, occurrence).map(|piece| Value::new(behind(piece, name)))
     }

@@ -21,37 +21,31 @@ pub enum NumberError {
 
 impl<'a> Value<'a> {
     /// A value, as it stands in a line.
-    #[must_use]
     pub const fn new(raw: &'a [u8]) -> Self {
         Self(raw)
     }
 
     /// The value as it stands in the line, encoded.
-    #[must_use]
     pub const fn raw(self) -> &'a [u8] {
         self.0
     }
 
     /// Whether it is no text at all.
-    #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0.is_empty()
     }
 
     /// The decoded text. It may be any bytes, 0 among them, though the protocol means UTF-8.
-    #[must_use]
     pub const fn bytes(self) -> Decoded<'a> {
         Decoded { rest: self.0 }
     }
 
     /// Number of bytes of the decoded text.
-    #[must_use]
     pub fn len(self) -> usize {
         self.bytes().count()
     }
 
     /// Whether that is the decoded text.
-    #[must_use]
     pub fn is(self, text: &[u8]) -> bool {
         let mut own = self.bytes();
         for byte in text {
@@ -74,21 +68,18 @@ impl<'a> Value<'a> {
     }
 
     /// Reads an integer of 0 to 255, such as `t`.
-    #[must_use]
     pub fn byte(self) -> Option<u8> {
         let [byte, 0] = self.word()?.to_le_bytes() else { return None };
         Some(byte)
     }
 
     /// Reads an integer of 0 to 65535, such as a window size.
-    #[must_use]
     pub fn word(self) -> Option<u16> {
         let [low, high, 0, 0] = self.int::<i32>().ok()?.to_le_bytes() else { return None };
         Some(u16::from_le_bytes([low, high]))
     }
 
     /// Reads four hexadecimal digits of either case: a checksum.
-    #[must_use]
     pub fn hex(self) -> Option<u16> {
         if self.0.len() != 4 {
             return None;
