@@ -95,11 +95,6 @@ pub struct Flags<F> {
 }
 
 impl<F: Flag> Flags<F> {
-    /// The empty set.
-    pub const fn new() -> Self {
-        Self { bits: 0, flag: PhantomData }
-    }
-
     /// Whether there is no flag.
     #[inline]
     pub fn is_empty(self) -> bool {
@@ -150,9 +145,9 @@ impl<F: Flag> Flags<F> {
     }
 }
 
-impl<F: Flag> Default for Flags<F> {
+impl<F> Default for Flags<F> {
     fn default() -> Self {
-        Self::new()
+        Self { bits: 0, flag: PhantomData }
     }
 }
 
@@ -250,7 +245,7 @@ mod tests {
 
     #[test]
     fn flags_come_out_in_their_order() {
-        let mut pending = Flags::new();
+        let mut pending = Flags::default();
         assert!(pending.is_empty());
         pending.set(Notice::Late);
         pending.set(Notice::Early);

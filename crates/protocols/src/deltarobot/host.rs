@@ -291,7 +291,7 @@ impl Session {
     fn start(&mut self, opcode: Opcode) -> Result<(), Busy> {
         self.operation.queue(self.settings.duplicates != 0)?;
         self.opcode = opcode.0;
-        self.facts = Flags::new();
+        self.facts = Flags::default();
         Ok(())
     }
 

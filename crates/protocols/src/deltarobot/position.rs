@@ -1,6 +1,6 @@
 //! A position of the platform: the displacements of its three arms.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, transmute};
 
 /// Bytes of a position on the wire.
 pub const POSITION_SIZE: usize = 12;
@@ -19,21 +19,15 @@ impl Position {
     /// The position at the beginning of these bytes from the wire, if there are enough.
     #[inline]
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
-        let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes.first_chunk()?;
-        Some(Self([
-            u32::from_le_bytes([a0, a1, a2, a3]),
-            u32::from_le_bytes([b0, b1, b2, b3]),
-            u32::from_le_bytes([c0, c1, c2, c3]),
-        ]))
+        let [a, b, c]: [_; 3] = transmute!(*bytes.first_chunk::<POSITION_SIZE>()?);
+        Some(Self([u32::from_le_bytes(a), u32::from_le_bytes(b), u32::from_le_bytes(c)]))
     }
 
     /// The bytes for the wire.
     #[inline]
     pub const fn to_wire(self) -> [u8; POSITION_SIZE] {
         let [a, b, c] = self.0;
-        let ([a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]) =
-            (a.to_le_bytes(), b.to_le_bytes(), c.to_le_bytes());
-        [a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3]
+        transmute!([a.to_le_bytes(), b.to_le_bytes(), c.to_le_bytes()])
     }
 
     /// Whether the bits are the same. Unlike `==`, this never becomes a call of memcmp.

@@ -155,7 +155,10 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// The same, and the observer learns what is thrown away.
     #[inline(always)]
     pub fn next_observed(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
-        let found = self.find(false, observer)?;
+        if !self.is_due() {
+            return Err(NoFrame::Waiting);
+        }
+        let found = self.look(false, observer)?;
         self.frame(found)
     }
 
@@ -163,7 +166,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
     /// stay so, and is passed over. When there is no frame, the receiver is empty then.
     #[inline(always)]
     pub fn next_idle(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
-        let found = self.find(true, observer)?;
+        let found = self.look(true, observer)?;
         self.frame(found)
     }
 
@@ -188,7 +191,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         }
         while !self.is_empty() {
             if self.is_due() {
-                match self.find(false, observer) {
+                match self.look(false, observer) {
                     Ok(found) => return self.frame(found),
                     Err(NoFrame::Garbage) => none = NoFrame::Garbage,
                     Err(NoFrame::Waiting) => {}
@@ -199,7 +202,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
                 }
                 let missing = self.last.get::<ROOM>().wrapping_sub(self.have.get::<ROOM>()).wrapping_add(1);
                 let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
-                // There is room: find() sees to that.
+                // There is room: look() sees to that.
                 self.store(now);
                 *input = later;
             }
@@ -226,13 +229,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         }
     }
 
-    /// Looks for a frame in the buffer, once as many bytes are there as that needs.
-    #[inline(always)]
-    fn find(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
-        if self.is_due() || idle { self.look(idle, observer) } else { Err(NoFrame::Waiting) }
-    }
-
-    /// The same, whether or not as many bytes are there.
+    /// Looks for a frame in the buffer, whether or not as many bytes are there as that needs.
     #[inline(always)]
     fn look(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
         let mut none = NoFrame::Waiting;

@@ -17,7 +17,6 @@ pub struct Item {
 
 /// What an [`Item`] says: see [`Kind`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "Kind has them")]
 pub enum Message {
     Move(Vector),
     Step(Vector),

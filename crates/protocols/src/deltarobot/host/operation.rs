@@ -75,7 +75,7 @@ impl Session {
     fn accept(&mut self, fact: Fact, now: u32) {
         self.operation.stage = Stage::Accepted as u8;
         let is_cancelled = self.facts.has(Fact::Cancelled);
-        self.facts = Flags::new();
+        self.facts = Flags::default();
         self.facts.set_to(Fact::Cancelled, is_cancelled);
         self.facts.set(fact);
         self.accepted_at = now;

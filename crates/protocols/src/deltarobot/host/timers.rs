@@ -89,7 +89,7 @@ impl Session {
         match self.operation.stage() {
             Stage::Queued => {
                 self.started_at = now;
-                self.facts = Flags::new();
+                self.facts = Flags::default();
                 self.operation.send(now);
             }
             Stage::Sent if self.facts.has(Fact::ErrorReported) => self.operation.end(Outcome::Failed),
