@@ -70,30 +70,19 @@ impl<'a, const SIZE: usize> Wrapped<'a, SIZE> {
         let to = to.get_mut(..self.length).unwrap_or_default();
         if WIDE {
             // Most frames have no payload.
-            if !to.is_empty() {
-                self.copy_wide(to, item);
+            if to.is_empty() {
+                return;
             }
-            return;
+            let (first, rest) = self.pieces(0, self.length);
+            let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
+            copy(first, to_first, item);
+            return copy(rest, to_rest, item);
         }
         let mut from = self.begin;
         for to in to {
             *to = item(self.ring.get(wrap::<SIZE>(from)).copied().unwrap_or_default());
             from = wrap::<SIZE>(from).wrapping_add(1);
         }
-    }
-
-    #[inline(always)]
-    fn copy_wide<T>(self, to: &mut [T], item: impl Fn(u8) -> T + Copy) {
-        let (first, rest) = self.pieces(0, self.length);
-        let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
-        copy(first, to_first, item);
-        copy(rest, to_rest, item);
-    }
-
-    #[inline(always)]
-    fn add_up_wide(self, sum: u8, begin: usize, length: usize) -> u8 {
-        let (first, rest) = self.pieces(begin, length);
-        add_up(add_up(sum, first), rest)
     }
 
     /// Some of them, up to the ring's end and from its beginning on.
@@ -122,7 +111,11 @@ impl<const SIZE: usize> Bytes for Wrapped<'_, SIZE> {
     #[inline(always)]
     fn add_up(&self, mut sum: u8, begin: usize, length: usize) -> u8 {
         if WIDE {
-            return if length == 0 { sum } else { self.add_up_wide(sum, begin, length) };
+            if length == 0 {
+                return sum;
+            }
+            let (first, rest) = self.pieces(begin, length);
+            return add_up(add_up(sum, first), rest);
         }
         let mut from = self.begin.wrapping_add(begin);
         let mut left = length;

@@ -35,10 +35,6 @@ pub const fn receiver_room(longest: usize) -> usize {
 ///         }
 ///     }
 /// }
-///
-/// let mut input = b"$H\0\xA6:$M".as_slice();
-/// assert_eq!(receiver.next_of(&mut input).unwrap().opcode, Opcode::HOMING);
-/// assert!(receiver.next_of(&mut input).is_err() && input.is_empty());
 /// ```
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub struct Receiver<const ROOM: usize> {
@@ -235,10 +231,11 @@ impl<const ROOM: usize> Receiver<ROOM> {
         let mut none = NoFrame::Waiting;
         let have = self.have.get::<ROOM>();
         // Fields out of range are those of an empty receiver.
-        let Some(mut unread) = self.buffer.get(self.at.get::<ROOM>()..have) else { return Err(self.nothing(none)) };
+        let mut unread = self.buffer.get(self.at.get::<ROOM>()..have).unwrap_or_default();
         let needed = loop {
             if unread.is_empty() {
-                return Err(self.nothing(none));
+                self.clear();
+                return Err(none);
             }
             let fault = match judge(unread, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
@@ -260,12 +257,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
         };
         self.wait_at(have.wrapping_sub(unread.len()), needed);
         Err(none)
-    }
-
-    #[inline(always)]
-    fn nothing(&mut self, none: NoFrame) -> NoFrame {
-        self.clear();
-        none
     }
 
     /// The frame that was found in the buffer.
