@@ -103,10 +103,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         let Some(place) = self.buffer.get_mut(have) else { return Err(self.full()) };
         *place = byte;
         self.have.set::<ROOM>(have.wrapping_add(1));
-        if have < self.last.get::<ROOM>() {
-            return Ok(false);
-        }
-        Ok(true)
+        Ok(have >= self.last.get::<ROOM>())
     }
 
     /// Waits no more, whatever was waited for.
