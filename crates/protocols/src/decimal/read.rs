@@ -44,9 +44,11 @@ fn exponent<T: Iterator<Item = u8> + Clone>(mut text: T) -> Option<(i32, T)> {
     let mut ahead = text.clone();
     let sign = ahead.next();
     if matches!(sign, Some(b'-' | b'+' | b' ')) {
-        text = ahead;
+        text = ahead.clone();
+    } else {
+        ahead = text.clone();
     }
-    let (mut ahead, mut size) = (text.clone(), None);
+    let mut size = None;
     while let Some(digit @ b'0'..=b'9') = ahead.next() {
         let more = size.unwrap_or(0_i32).saturating_mul(10).saturating_add(i32::from(digit.wrapping_sub(b'0')));
         size = Some(more.min(EXPONENT_MAX));
