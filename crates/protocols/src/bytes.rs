@@ -70,30 +70,19 @@ impl<'a, const SIZE: usize> Wrapped<'a, SIZE> {
         let to = to.get_mut(..self.length).unwrap_or_default();
         if WIDE {
             // Most frames have no payload.
-            if !to.is_empty() {
-                self.copy_wide(to, item);
+            if to.is_empty() {
+                return;
             }
-            return;
+            let (first, rest) = self.pieces(0, self.length);
+            let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
+            copy(first, to_first, item);
+            return copy(rest, to_rest, item);
         }
         let mut from = self.begin;
         for to in to {
             *to = item(self.ring.get(wrap::<SIZE>(from)).copied().unwrap_or_default());
             from = wrap::<SIZE>(from).wrapping_add(1);
         }
-    }
-
-    #[inline(always)]
-    fn copy_wide<T>(self, to: &mut [T], item: impl Fn(u8) -> T + Copy) {
-        let (first, rest) = self.pieces(0, self.length);
-        let (to_first, to_rest) = to.split_at_mut_checked(first.len()).unwrap_or_default();
-        copy(first, to_first, item);
-        copy(rest, to_rest, item);
-    }
-
-    #[inline(always)]
-    fn add_up_wide(self, sum: u8, begin: usize, length: usize) -> u8 {
-        let (first, rest) = self.pieces(begin, length);
-        add_up(add_up(sum, first), rest)
     }
 
     /// Some of them, up to the ring's end and from its beginning on.
@@ -122,7 +111,11 @@ impl<const SIZE: usize> Bytes for Wrapped<'_, SIZE> {
     #[inline(always)]
     fn add_up(&self, mut sum: u8, begin: usize, length: usize) -> u8 {
         if WIDE {
-            return if length == 0 { sum } else { self.add_up_wide(sum, begin, length) };
+            if length == 0 {
+                return sum;
+            }
+            let (first, rest) = self.pieces(begin, length);
+            return add_up(add_up(sum, first), rest);
         }
         let mut from = self.begin.wrapping_add(begin);
         let mut left = length;
@@ -160,7 +153,6 @@ fn copy_into_ring_wide<const SIZE: usize>(input: &[u8], ring: &mut [u8; SIZE], b
 
 /// A place that may be past a ring's end, by less than its size.
 #[inline(always)]
-#[must_use]
 pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
     if SIZE.is_power_of_two() {
         place & SIZE.wrapping_sub(1)
@@ -174,14 +166,12 @@ pub const fn wrap<const SIZE: usize>(place: usize) -> usize {
 /// Room, all zero, which the compiler does not see: of `[0_u8; SIZE]` it would make a call of memset or memcpy, and
 /// firmware may have neither.
 #[inline(always)]
-#[must_use]
 pub fn zeros<const WORDS: usize>() -> [u16; WORDS] {
     [black_box(0); WORDS]
 }
 
 /// Adds the bytes to a sum modulo 256.
 #[inline(always)]
-#[must_use]
 pub fn add_up(mut sum: u8, mut bytes: &[u8]) -> u8 {
     if WIDE {
         while bytes.len() > 2 * BLOCK
@@ -296,7 +286,6 @@ pub fn copy_and_add_up<T>(mut sum: u8, from: &[u8], to: &mut [T], item: impl Fn(
 /// Fletcher's two sums in one, second above first and each modulo 255, of those before `sum` and more bytes. 0 is 255,
 /// unless it was 0 before.
 #[inline(always)]
-#[must_use]
 pub fn fletcher(sum: u16, bytes: &[u8]) -> u16 {
     let [mut second, mut first] = sum.to_be_bytes();
     if WIDE {
@@ -385,7 +374,6 @@ pub fn divide_by_ten(number: &mut [u8]) -> u8 {
 
 /// How many bytes are in front of the first that is below a limit, of at most 128.
 #[inline(always)]
-#[must_use]
 pub fn before_less(bytes: &[u8], limit: u8) -> usize {
     const ONES: u64 = 0x0101_0101_0101_0101;
     let mut before = 0_usize;

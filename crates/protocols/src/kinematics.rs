@@ -45,10 +45,6 @@ pub enum Error {
 }
 
 /// The lengths of the legs when E is at `pose`.
-///
-/// # Errors
-///
-/// See [`Error`].
 pub fn inverse<R: Real>(geometry: &Geometry, pose: [f32; 3]) -> Result<[f32; 3], Error> {
     let base = Base::<R>::of(geometry)?;
     let e = finite(pose)?;
@@ -76,10 +72,6 @@ pub fn inverse<R: Real>(geometry: &Geometry, pose: [f32; 3]) -> Result<[f32; 3],
 /// A pose mirrored at the plane A1A2A3 has the same lengths: the one on the side that (A3 - A1) × (A2 - A1) points to is
 /// returned. Near the base there can be more of them on that side: then it is the one that Newton's method finds from
 /// far out, nearly always the farthest.
-///
-/// # Errors
-///
-/// See [`Error`].
 pub fn forward<R: Real>(geometry: &Geometry, lengths: [f32; 3]) -> Result<[f32; 3], Error> {
     let base = Base::<R>::of(geometry)?;
     let [q1, q2, q3] = finite::<R>(lengths)?;
@@ -279,7 +271,6 @@ pub trait Real:
     fn sqrt(self) -> Self;
 
     /// The nearest float.
-    #[must_use]
     fn to_f32(self) -> f32;
 
     /// Without its sign.

@@ -15,6 +15,8 @@
     )
 )]
 #![allow(missing_docs, unreachable_pub)]
+#![allow(clippy::missing_errors_doc, reason = "the error types say when")]
+#![allow(clippy::must_use_candidate, reason = "that is nearly every function here")]
 
 #[cfg(test)]
 extern crate std;

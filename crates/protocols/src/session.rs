@@ -11,7 +11,6 @@ use core::marker::PhantomData;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// How much of `span` is left at `now` when it began at `since`; 0 when it is over.
-#[must_use]
 #[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn left(now: u32, since: u32, span: u32) -> u32 {
     span.saturating_sub(now.wrapping_sub(since))
@@ -19,7 +18,6 @@ pub const fn left(now: u32, since: u32, span: u32) -> u32 {
 
 /// The duration that a setting stands for, where 0 is the default. At most half of what wraps, so that its end is
 /// noticed.
-#[must_use]
 #[cfg_attr(target_pointer_width = "16", inline(never))]
 pub const fn span(setting: u32, default: u32) -> u32 {
     match setting {
@@ -32,7 +30,6 @@ pub const fn span(setting: u32, default: u32) -> u32 {
 const LONGEST: u32 = 0x7FFF_FFFF;
 
 /// The number of times that a setting stands for, where 0 is the default and what is below 0 stands for `negative`.
-#[must_use]
 pub fn times(setting: i16, default: u8, negative: u8) -> u8 {
     match setting {
         ..0 => negative,
@@ -53,53 +50,25 @@ pub const fn count(counter: &mut u32) {
 /// was answered.
 #[derive(Clone, Copy, Debug, Default, FromBytes, Immutable, KnownLayout)]
 pub struct Transmission {
-    sent_at: u32,
-    sent: u8,
+    /// When it was sent last; kept when something else is to be sent.
+    pub sent_at: u32,
+    /// How often it was sent, up to 255.
+    pub sent: u8,
 }
 
 impl Transmission {
-    /// Not sent yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { sent_at: 0, sent: 0 }
-    }
-
     /// It is sent, for the first time or again.
     pub const fn send(&mut self, now: u32) {
         self.sent_at = now;
         self.sent = self.sent.saturating_add(1);
     }
 
-    /// It leaves only now, or this transmission does not count.
-    pub const fn delay(&mut self, now: u32) {
-        self.sent_at = now;
-    }
-
-    /// Something else is to be sent. When the last was sent is kept.
-    pub const fn restart(&mut self) {
-        self.sent = 0;
-    }
-
-    /// How often it was sent, up to 255.
-    #[must_use]
-    pub const fn sent(&self) -> u8 {
-        self.sent
-    }
-
-    /// When it was sent last.
-    #[must_use]
-    pub const fn sent_at(&self) -> u32 {
-        self.sent_at
-    }
-
     /// How long ago it was sent last.
-    #[must_use]
     pub const fn elapsed(&self, now: u32) -> u32 {
         now.wrapping_sub(self.sent_at)
     }
 
     /// How much of `timeout` is left since it was sent last.
-    #[must_use]
     pub const fn left(&self, now: u32, timeout: u32) -> u32 {
         left(now, self.sent_at, timeout)
     }
@@ -111,16 +80,14 @@ pub trait Flag: Copy {
     const ALL: u16;
 
     /// The flag's bit.
-    #[must_use]
     fn bit(self) -> u16;
 
     /// The flag that has this bit.
-    #[must_use]
     fn of_bit(bit: u16) -> Option<Self>;
 }
 
 /// A set of flags in an integer. Bits that stand for no flag are ignored.
-#[derive(Debug, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, KnownLayout)]
 #[repr(transparent)]
 pub struct Flags<F> {
     bits: u16,
@@ -128,22 +95,14 @@ pub struct Flags<F> {
 }
 
 impl<F: Flag> Flags<F> {
-    /// The empty set.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { bits: 0, flag: PhantomData }
-    }
-
     /// Whether there is no flag.
     #[inline]
-    #[must_use]
     pub fn is_empty(self) -> bool {
         self.bits & F::ALL == 0
     }
 
     /// Whether the flag is set.
     #[inline]
-    #[must_use]
     pub fn has(self, flag: F) -> bool {
         self.bits & flag.bit() != 0
     }
@@ -171,7 +130,6 @@ impl<F: Flag> Flags<F> {
 
     /// The first flag that is set, in the order in which they are declared.
     #[inline]
-    #[must_use]
     pub fn first(self) -> Option<F> {
         let bits = self.bits & F::ALL;
         // The lowest bit: smaller than to count zeros where the processor can't.
@@ -187,17 +145,9 @@ impl<F: Flag> Flags<F> {
     }
 }
 
-impl<F> Clone for Flags<F> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<F> Copy for Flags<F> {}
-
-impl<F: Flag> Default for Flags<F> {
+impl<F> Default for Flags<F> {
     fn default() -> Self {
-        Self::new()
+        Self { bits: 0, flag: PhantomData }
     }
 }
 
@@ -245,12 +195,6 @@ pub struct RoundTrips {
 }
 
 impl RoundTrips {
-    /// None yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { count: 0, last: 0, min: 0, max: 0, sum: 0 }
-    }
-
     /// Adds a measured one.
     pub const fn add(&mut self, time: u32) {
         self.last = time;
@@ -286,16 +230,13 @@ mod tests {
 
     #[test]
     fn a_transmission_is_counted_and_timed() {
-        let mut sent = Transmission::new();
-        sent.send(10);
-        sent.send(u32::MAX);
-        assert_eq!((sent.sent(), sent.sent_at(), sent.elapsed(4), sent.left(4, 12)), (2, u32::MAX, 5, 7));
-        sent.delay(1);
-        assert_eq!((sent.sent(), sent.left(4, 12)), (2, 9));
-        sent.restart();
-        assert_eq!((sent.sent(), sent.sent_at()), (0, 1));
-        (0..300).for_each(|now| sent.send(now));
-        assert_eq!((sent.sent(), sent.sent_at()), (255, 299));
+        let mut transmission = Transmission::default();
+        transmission.send(10);
+        transmission.send(u32::MAX);
+        assert_eq!((transmission.sent, transmission.sent_at), (2, u32::MAX));
+        assert_eq!((transmission.elapsed(4), transmission.left(4, 12)), (5, 7));
+        (0..300).for_each(|now| transmission.send(now));
+        assert_eq!((transmission.sent, transmission.sent_at), (255, 299));
     }
 
     flags! {
@@ -304,7 +245,7 @@ mod tests {
 
     #[test]
     fn flags_come_out_in_their_order() {
-        let mut pending = Flags::new();
+        let mut pending = Flags::default();
         assert!(pending.is_empty());
         pending.set(Notice::Late);
         pending.set(Notice::Early);
@@ -334,7 +275,7 @@ mod tests {
 
     #[test]
     fn round_trips() {
-        let mut times = RoundTrips::new();
+        let mut times = RoundTrips::default();
         for time in [7, 3, 11] {
             times.add(time);
         }

@@ -1,6 +1,6 @@
 //! Decimal text of floats.
 
-use super::{Digits, SIZE, WHOLE};
+use super::{Digits, SIZE, WHOLE, tenth};
 use crate::bytes::zeros;
 
 /// Most decimals that [`write_fixed`] can be asked for.
@@ -41,14 +41,10 @@ pub fn write_float(bits: u32, put: &mut dyn FnMut(u8)) {
         let small = first >= WHOLE;
         put(if small { b'-' } else { b'+' });
         let units = WHOLE.wrapping_sub(1);
-        let mut exponent = if small { first.wrapping_sub(units) } else { units.wrapping_sub(first) };
-        let mut tens = b'0';
-        while exponent >= 10 {
-            exponent = exponent.wrapping_sub(10);
-            tens = tens.wrapping_add(1);
-        }
-        put(tens);
-        put(b'0'.wrapping_add(u8::try_from(exponent).unwrap_or_default()));
+        let exponent = u8::try_from(first.abs_diff(units)).unwrap_or_default();
+        let tens = tenth(exponent);
+        put(b'0'.wrapping_add(tens));
+        put(b'0'.wrapping_add(exponent.wrapping_sub(tens.wrapping_mul(10))));
     }
 }
 

@@ -110,7 +110,6 @@ impl<const ROOM: usize> Controller<ROOM> {
     }
 
     /// What to do about a request while the platform's state is that.
-    #[must_use]
     pub fn decide(&self, request: &Request, now: &Report) -> Decision {
         let state = now.state();
         match request.opcode {
@@ -150,7 +149,6 @@ impl<const ROOM: usize> Controller<ROOM> {
     }
 
     /// Whether the state is to be looked at: an operation is going on.
-    #[must_use]
     pub const fn is_active(&self) -> bool {
         self.operation != 0
     }

@@ -79,7 +79,6 @@ pub enum NoFrame {
 /// assert_eq!(judge(b"$a"), Verdict::Fault(Fault::Opcode));
 /// ```
 #[inline(always)]
-#[must_use]
 pub fn judge<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
     match judge_head(bytes, longest) {
         Verdict::Frame { opcode, length } => judge_tail(bytes, opcode, length),
@@ -89,7 +88,6 @@ pub fn judge<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
 
 /// The first half of [`judge`]: whether the bytes begin as a frame does, and as many are there as that takes.
 #[inline(always)]
-#[must_use]
 pub fn judge_head<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
     // Bytes that are not there yet may be anything: what is wrong with them is no fault, and when nothing is, there are
     // too few to decide.
@@ -117,7 +115,6 @@ pub fn judge_head<B: Bytes + ?Sized>(bytes: &B, longest: usize) -> Verdict {
 
 /// The second half: whether what begins as a frame ends as one.
 #[inline(always)]
-#[must_use]
 pub fn judge_tail<B: Bytes + ?Sized>(bytes: &B, opcode: Opcode, length: usize) -> Verdict {
     let place_of_sum = length.wrapping_add(FRAME_HEAD);
     if bytes.byte(place_of_sum.wrapping_add(1)) != FRAME_END {

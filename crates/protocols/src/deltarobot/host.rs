@@ -57,7 +57,6 @@
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Accepted(Opcode::HOMING)));
 //! assert_eq!(host.poll(5, &mut payload), Some(Event::Ended(Opcode::HOMING, Outcome::Finished)));
 //! ```
-#![expect(clippy::missing_errors_doc, reason = "Busy says it")]
 
 mod operation;
 mod request;
@@ -157,7 +156,6 @@ pub const REQUEST_MAX: usize = POSITION_SIZE.wrapping_add(FRAME_OVERHEAD);
 
 impl<const ROOM: usize> Host<ROOM> {
     /// A session that has just begun.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self { session: Session { settings, ..Session::default() }, ..Self::default() }
     }
@@ -196,19 +194,16 @@ impl<const ROOM: usize> Host<ROOM> {
     }
 
     /// Whether an operation is going on.
-    #[must_use]
     pub fn is_busy(&self) -> bool {
         self.session.operation.stage() != Stage::Free
     }
 
     /// The last status report, if there was one.
-    #[must_use]
     pub fn last_report(&self) -> Option<&Report> {
         (self.session.has_report != 0).then_some(&self.session.report)
     }
 
     /// How well the link works.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.session.health
     }
@@ -280,7 +275,6 @@ impl<const ROOM: usize> Host<ROOM> {
 
     /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
-    #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         let gap = if self.link.receiver.is_empty() { NEVER } else { self.gap_left(now) };
         let left = gap.min(self.session.time_left(now));
@@ -297,7 +291,7 @@ impl Session {
     fn start(&mut self, opcode: Opcode) -> Result<(), Busy> {
         self.operation.queue(self.settings.duplicates != 0)?;
         self.opcode = opcode.0;
-        self.facts = Flags::new();
+        self.facts = Flags::default();
         Ok(())
     }
 

@@ -32,13 +32,11 @@ pub enum Message {
 
 impl Message {
     /// What an opcode and its payload mean; `None` when the opcode is unknown or the length wrong for it.
-    #[must_use]
     pub fn read(opcode: Opcode, payload: &[u8], layout: Layout) -> Option<Self> {
         Self::read_after(opcode, payload, layout, &mut SeenLayout::default())
     }
 
     /// The same in a session: see [`Report::read_after`].
-    #[must_use]
     pub fn read_after(opcode: Opcode, payload: &[u8], layout: Layout, seen: &mut SeenLayout) -> Option<Self> {
         Some(match (opcode, payload) {
             (Opcode::ACK, [answered]) => Self::Ack(Opcode(*answered)),
@@ -56,7 +54,6 @@ impl Message {
     }
 
     /// The opcode of the frame that says this.
-    #[must_use]
     pub const fn opcode(&self) -> Opcode {
         match self {
             Self::Ack(_) => Opcode::ACK,
@@ -73,7 +70,6 @@ impl Message {
     }
 
     /// Writes the payload to the beginning of `out` and returns its length.
-    #[must_use]
     pub fn write(&self, layout: Layout, out: &mut [u8; PAYLOAD_MAX]) -> usize {
         let (position, begin, length) = match self {
             Self::Ack(answered) | Self::Nack(answered) => {

@@ -16,7 +16,6 @@
 //! let message = Message::read(frame.opcode, frame.payload, Layout::Auto);
 //! assert_eq!(message, Some(Message::Ack(Opcode::MOVE)));
 //! ```
-#![forbid(unsafe_code)]
 
 pub mod controller;
 mod frame;

@@ -31,7 +31,6 @@ impl Opcode {
 
     /// Whether this is an opcode of the specification. A frame with another one is garbage.
     #[inline]
-    #[must_use]
     pub const fn is_known(self) -> bool {
         // On AVR constants take RAM, so there the letters are in the code.
         if cfg!(target_arch = "avr") { self.is_known_by_comparing() } else { self.is_known_by_looking() }

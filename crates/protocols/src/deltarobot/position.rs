@@ -1,6 +1,6 @@
 //! A position of the platform: the displacements of its three arms.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, KnownLayout, transmute};
 
 /// Bytes of a position on the wire.
 pub const POSITION_SIZE: usize = 12;
@@ -19,40 +19,30 @@ impl Position {
     /// The position at the beginning of these bytes from the wire, if there are enough.
     #[inline]
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
-        let &[a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = bytes.first_chunk()?;
-        Some(Self([
-            u32::from_le_bytes([a0, a1, a2, a3]),
-            u32::from_le_bytes([b0, b1, b2, b3]),
-            u32::from_le_bytes([c0, c1, c2, c3]),
-        ]))
+        let [a, b, c]: [_; 3] = transmute!(*bytes.first_chunk::<POSITION_SIZE>()?);
+        Some(Self([u32::from_le_bytes(a), u32::from_le_bytes(b), u32::from_le_bytes(c)]))
     }
 
     /// The bytes for the wire.
     #[inline]
-    #[must_use]
     pub const fn to_wire(self) -> [u8; POSITION_SIZE] {
         let [a, b, c] = self.0;
-        let ([a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]) =
-            (a.to_le_bytes(), b.to_le_bytes(), c.to_le_bytes());
-        [a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3]
+        transmute!([a.to_le_bytes(), b.to_le_bytes(), c.to_le_bytes()])
     }
 
     /// Whether the bits are the same. Unlike `==`, this never becomes a call of memcmp.
     #[inline]
-    #[must_use]
     pub const fn is_same(self, other: Self) -> bool {
         let ([this_a, this_b, this_c], [a, b, c]) = (self.0, other.0);
         this_a == a && this_b == b && this_c == c
     }
 
     /// Whether no displacement is a NaN. An unknown position asks for homing (specification, "Status Report").
-    #[must_use]
     pub fn is_known(self) -> bool {
         self.0.iter().all(|bits| magnitude(*bits) <= INFINITY)
     }
 
     /// Whether every displacement is a number that a platform could move to: neither a NaN nor infinite.
-    #[must_use]
     pub fn is_finite(self) -> bool {
         self.0.iter().all(|bits| magnitude(*bits) < INFINITY)
     }
@@ -60,7 +50,6 @@ impl Position {
     /// Whether no displacement differs from the other position's by more than `tolerance`, the bits of a finite float;
     /// a difference that is beyond it by no more than the rounding of a float may count as near. Not for positions that
     /// are not finite.
-    #[must_use]
     pub fn is_near(self, other: Self, tolerance: u32) -> bool {
         self.0.iter().zip(other.0).all(|(one, other)| {
             let largest = magnitude(*one).max(magnitude(other)).max(magnitude(tolerance));

@@ -12,7 +12,6 @@ use crate::bytes;
 const SPARE: usize = 5;
 
 /// The parameter of a [`Receiver`] of frames with payloads of at most `longest` bytes, 1 to 255.
-#[must_use]
 pub const fn receiver_room(longest: usize) -> usize {
     longest.wrapping_add(const { FRAME_OVERHEAD.wrapping_add(SPARE) })
 }
@@ -36,10 +35,6 @@ pub const fn receiver_room(longest: usize) -> usize {
 ///         }
 ///     }
 /// }
-///
-/// let mut input = b"$H\0\xA6:$M".as_slice();
-/// assert_eq!(receiver.next_of(&mut input).unwrap().opcode, Opcode::HOMING);
-/// assert!(receiver.next_of(&mut input).is_err() && input.is_empty());
 /// ```
 #[derive(Clone, Debug, FromBytes, Immutable, KnownLayout)]
 pub struct Receiver<const ROOM: usize> {
@@ -82,7 +77,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     };
 
     /// One that has received nothing.
-    #[must_use]
     pub const fn new() -> Self {
         Self { have: Count::ZERO, last: Count::ZERO, at: Count::ZERO, buffer: [0; ROOM] }
     }
@@ -96,27 +90,20 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// Whether nothing is there that may be part of a frame.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         let unread = self.buffer.get(self.at.get::<ROOM>()..self.have.get::<ROOM>());
         unread.unwrap_or_default().is_empty()
     }
 
-    /// Takes a byte, and says whether [`next`](Self::next) is to be called.
-    ///
-    /// # Errors
-    ///
-    /// [`Full`] when [`next`](Self::next) was not called in spite of that, and a few bytes have come since.
+    /// Takes a byte, and says whether [`next`](Self::next) is to be called. [`Full`] when that was not done, and a
+    /// few bytes have come since.
     #[inline(always)]
     pub fn byte(&mut self, byte: u8) -> Result<bool, Full> {
         let have = self.have.get::<ROOM>();
         let Some(place) = self.buffer.get_mut(have) else { return Err(self.full()) };
         *place = byte;
         self.have.set::<ROOM>(have.wrapping_add(1));
-        if have < self.last.get::<ROOM>() {
-            return Ok(false);
-        }
-        Ok(true)
+        Ok(have >= self.last.get::<ROOM>())
     }
 
     /// Waits no more, whatever was waited for.
@@ -140,16 +127,11 @@ impl<const ROOM: usize> Receiver<ROOM> {
 
     /// Whether [`next`](Self::next) is to be called.
     #[inline(always)]
-    #[must_use]
     pub const fn is_due(&self) -> bool {
         self.have.get::<ROOM>() > self.last.get::<ROOM>()
     }
 
     /// Fetches the next frame: to be called until there is none.
-    ///
-    /// # Errors
-    ///
-    /// [`NoFrame`] when more bytes are needed.
     #[inline(always)]
     #[expect(clippy::should_implement_trait, reason = "what it returns borrows from the receiver")]
     pub fn next(&mut self) -> Result<Frame<'_>, NoFrame> {
@@ -157,10 +139,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// The same, for callers that have asked [`is_due`](Self::is_due) before.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_due(&mut self) -> Result<Frame<'_>, NoFrame> {
         let found = self.look(false, &mut ())?;
@@ -168,44 +146,31 @@ impl<const ROOM: usize> Receiver<ROOM> {
     }
 
     /// The same, and the observer learns what is thrown away.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_observed(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
-        let found = self.find(false, observer)?;
+        if !self.is_due() {
+            return Err(NoFrame::Waiting);
+        }
+        let found = self.look(false, observer)?;
         self.frame(found)
     }
 
     /// Like [`next`](Self::next) for a line that has been quiet for longer than a frame takes: what is incomplete will
-    /// stay so, and is passed over.
-    ///
-    /// # Errors
-    ///
-    /// [`NoFrame`] when there is no frame; the receiver is empty now.
+    /// stay so, and is passed over. When there is no frame, the receiver is empty then.
     #[inline(always)]
     pub fn next_idle(&mut self, observer: &mut impl Observer) -> Result<Frame<'_>, NoFrame> {
-        let found = self.find(true, observer)?;
+        let found = self.look(true, observer)?;
         self.frame(found)
     }
 
     /// Fetches the next frame of what has been received and of the input behind it, which becomes what is left of it:
     /// nothing when there is no frame. Frames that lie in the input are not copied.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_of<'a, 'b: 'a>(&'a mut self, input: &mut &'b [u8]) -> Result<Frame<'a>, NoFrame> {
         self.next_of_observed(input, &mut ())
     }
 
     /// The same, and the observer learns what is thrown away.
-    ///
-    /// # Errors
-    ///
-    /// As [`next`](Self::next).
     #[inline(always)]
     pub fn next_of_observed<'a, 'b: 'a>(
         &'a mut self,
@@ -219,7 +184,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
         }
         while !self.is_empty() {
             if self.is_due() {
-                match self.find(false, observer) {
+                match self.look(false, observer) {
                     Ok(found) => return self.frame(found),
                     Err(NoFrame::Garbage) => none = NoFrame::Garbage,
                     Err(NoFrame::Waiting) => {}
@@ -230,7 +195,7 @@ impl<const ROOM: usize> Receiver<ROOM> {
                 }
                 let missing = self.last.get::<ROOM>().wrapping_sub(self.have.get::<ROOM>()).wrapping_add(1);
                 let (now, later) = input.split_at_checked(missing).unwrap_or((*input, &[]));
-                // There is room: find() sees to that.
+                // There is room: look() sees to that.
                 self.store(now);
                 *input = later;
             }
@@ -257,22 +222,17 @@ impl<const ROOM: usize> Receiver<ROOM> {
         }
     }
 
-    /// Looks for a frame in the buffer, once as many bytes are there as that needs.
-    #[inline(always)]
-    fn find(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
-        if self.is_due() || idle { self.look(idle, observer) } else { Err(NoFrame::Waiting) }
-    }
-
-    /// The same, whether or not as many bytes are there.
+    /// Looks for a frame in the buffer, whether or not as many bytes are there as that needs.
     #[inline(always)]
     fn look(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
         let mut none = NoFrame::Waiting;
         let have = self.have.get::<ROOM>();
         // Fields out of range are those of an empty receiver.
-        let Some(mut unread) = self.buffer.get(self.at.get::<ROOM>()..have) else { return Err(self.nothing(none)) };
+        let mut unread = self.buffer.get(self.at.get::<ROOM>()..have).unwrap_or_default();
         let needed = loop {
             if unread.is_empty() {
-                return Err(self.nothing(none));
+                self.clear();
+                return Err(none);
             }
             let fault = match judge(unread, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
@@ -294,12 +254,6 @@ impl<const ROOM: usize> Receiver<ROOM> {
         };
         self.wait_at(have.wrapping_sub(unread.len()), needed);
         Err(none)
-    }
-
-    #[inline(always)]
-    fn nothing(&mut self, none: NoFrame) -> NoFrame {
-        self.clear();
-        none
     }
 
     /// The frame that was found in the buffer.

@@ -33,7 +33,6 @@ pub enum Layout {
 
 impl Layout {
     /// The layout that is stored as this number; [`Auto`](Self::Auto) where it is none's.
-    #[must_use]
     pub fn of(stored: u8) -> Self {
         Self::try_read_from_bytes(&[stored]).unwrap_or_default()
     }
@@ -67,20 +66,17 @@ impl Report {
 
     /// A report of that position and STAT, whose reserved bits are cleared.
     #[inline]
-    #[must_use]
     pub const fn new(position: Position, stat: u8) -> Self {
         Self { position, stat: stat & Self::STAT_BITS }
     }
 
     /// STAT, the reserved bits zero. Bits 2 to 4 are the end stops of the arms A to C, 1 when pressed.
     #[inline]
-    #[must_use]
     pub const fn stat(&self) -> u8 {
         self.stat & Self::STAT_BITS
     }
 
     /// What the platform is doing.
-    #[must_use]
     pub const fn state(&self) -> State {
         match self.stat & 3 {
             0 => State::Idle,
@@ -91,13 +87,11 @@ impl Report {
     }
 
     /// Reads a payload; `None` when its length is wrong for the layout.
-    #[must_use]
     pub fn read(payload: &[u8], layout: Layout) -> Option<Self> {
         Self::read_after(payload, layout, &mut SeenLayout::default())
     }
 
     /// The same in a session: where the payload may have either layout, what was seen before counts too.
-    #[must_use]
     pub fn read_after(payload: &[u8], layout: Layout, seen: &mut SeenLayout) -> Option<Self> {
         let is_short = payload.len() == REPORT_SIZE;
         let stat_first = match layout {

@@ -8,14 +8,12 @@ pub const TEXT_MAX: usize = 96;
 
 impl Opcode {
     /// The name in logs; `UNKNOWN_OPCODE` for what the specification does not know.
-    #[must_use]
     pub fn name(self) -> &'static str {
         let name = self.terminated_name();
         name.get(..name.len().wrapping_sub(1)).unwrap_or_default()
     }
 
     /// The name and a zero byte behind it, for those who hand it to C.
-    #[must_use]
     pub const fn terminated_name(self) -> &'static str {
         match self {
             Self::ACK => "ACK\0",
@@ -35,7 +33,6 @@ impl Opcode {
 
 impl State {
     /// The name in logs.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Idle => "IDLE",

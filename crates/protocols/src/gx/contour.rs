@@ -22,7 +22,6 @@ pub struct Contour {
 
 impl Contour {
     /// A path of these axes (bit i is axis i; other bits are ignored), the position where it begins unknown.
-    #[must_use]
     pub const fn new(axes: u8) -> Self {
         let mut target = Vector::new();
         target.mask = axes & MASK_AXES;
@@ -46,11 +45,7 @@ impl Contour {
     }
 
     /// Writes the command that leads to the next position; returns its length in bytes. Axes that are not the path's
-    /// are ignored; without a velocity, that of the last segment holds.
-    ///
-    /// # Errors
-    ///
-    /// See [`EncodeError`]. The path then still ends where it did.
+    /// are ignored; without a velocity, that of the last segment holds. After an error the path still ends where it did.
     pub fn segment(
         &mut self,
         number: Option<Number>,

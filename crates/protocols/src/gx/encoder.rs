@@ -2,7 +2,6 @@
 //!
 //! Each function writes to the beginning of `room` and returns the length in bytes. After an error the room's contents
 //! mean nothing.
-#![allow(clippy::missing_errors_doc, reason = "EncodeError says it for all of them")]
 
 use super::message::{Control, Format, Number, Numbered, Status};
 use super::packed::low;

@@ -203,7 +203,6 @@ flags! {
 
 impl<const WINDOW: usize> Host<WINDOW> {
     /// A session that has just begun.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         const { assert!(1 <= WINDOW && WINDOW <= 255, "the window must hold 1 to 255 moves") };
         Self { settings, ..Self::new_zeroed() }
@@ -216,10 +215,6 @@ impl<const WINDOW: usize> Host<WINDOW> {
 
     /// Requests a move behind those requested before. Axes that it does not name stay where they are; without a
     /// velocity, that of the move before holds.
-    ///
-    /// # Errors
-    ///
-    /// See [`QueueError`].
     pub fn move_to(&mut self, target: &Vector) -> Result<(), QueueError> {
         check(target, false).map_err(|_| QueueError::Range)?;
         if self.window.push(target) { Ok(()) } else { Err(QueueError::Busy) }
@@ -238,7 +233,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
     /// the motion side says how.
     pub fn control(&mut self, control: Control) {
         self.control = control.bits();
-        self.control_sent.restart();
+        self.control_sent.sent = 0;
         self.send.set(Send::Control);
         self.is.set(Is::Asking);
         if control == Control::Stop && !matches!(self.stage, OPEN | DRAINING) {
@@ -251,13 +246,11 @@ impl<const WINDOW: usize> Host<WINDOW> {
     }
 
     /// How many moves were requested whose ends were not fetched.
-    #[must_use]
     pub const fn unfinished(&self) -> u8 {
         self.window.count
     }
 
     /// How the link does.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.health
     }

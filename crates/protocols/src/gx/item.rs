@@ -17,7 +17,6 @@ pub struct Item {
 
 /// What an [`Item`] says: see [`Kind`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "Kind has them")]
 pub enum Message {
     Move(Vector),
     Step(Vector),
@@ -33,7 +32,6 @@ pub enum Message {
 
 impl<const NOTICES: bool> Receiver<NOTICES> {
     /// What was found by the last call, which returned this kind.
-    #[must_use]
     pub fn item(&self, kind: Kind) -> Item {
         let number = self.number();
         let mut vector = *self.vector();

@@ -32,31 +32,26 @@ impl Numbered {
     pub const NONE: Self = Self(0);
 
     /// A number of that format; the lowest 14 bits of `value` count.
-    #[must_use]
     pub const fn new(value: u16, format: Format) -> Self {
         Self(value & NUMBER_MAX | (format as u16) << 14)
     }
 
     /// Whether there is a number.
-    #[must_use]
     pub const fn is_some(self) -> bool {
         self.0 != 0
     }
 
     /// Its value; 0 without one.
-    #[must_use]
     pub const fn value(self) -> u16 {
         self.0 & NUMBER_MAX
     }
 
     /// Its format; ASCII without one.
-    #[must_use]
     pub const fn format(self) -> Format {
         if self.0 >> 14 == Format::Binary as u16 { Format::Binary } else { Format::Ascii }
     }
 
     /// The number, if there is one.
-    #[must_use]
     pub const fn get(self) -> Option<Number> {
         if self.is_some() { Some(Number { value: self.value(), format: self.format() }) } else { None }
     }
@@ -110,13 +105,11 @@ pub enum Control {
 
 impl Control {
     /// As it is written, in 14 bits: the code and its complement, so that no flipped bit makes one of another command.
-    #[must_use]
     pub const fn bits(self) -> u16 {
         127_u16.wrapping_mul((self as u16).wrapping_add(1))
     }
 
     /// What was written asks for.
-    #[must_use]
     pub fn of(bits: u16) -> Option<Self> {
         let [complement, code] = halves(bits);
         if code ^ complement == 0x7F { Self::try_read_from_bytes(&[code]).ok() } else { None }
@@ -134,13 +127,11 @@ pub struct Status {
 
 impl Status {
     /// As it is written.
-    #[must_use]
     pub const fn bits(self) -> u16 {
         self.free as u16 | (self.is_held as u16) << 8
     }
 
     /// Of what was written; bits that mean nothing are ignored.
-    #[must_use]
     pub const fn of(bits: u16) -> Self {
         let [free, flags] = bits.to_le_bytes();
         Self { free, is_held: flags & 1 != 0 }

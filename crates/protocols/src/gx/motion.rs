@@ -90,7 +90,6 @@ const STOPPING: u8 = 2;
 
 impl<const QUEUE: usize> Motion<QUEUE> {
     /// A motion side that has just begun, with default settings.
-    #[must_use]
     pub const fn new() -> Self {
         const { assert!(1 <= QUEUE && QUEUE <= 255, "the queue must hold 1 to 255 moves") };
         Self {
@@ -194,7 +193,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     }
 
     /// How many moves are queued or being carried out.
-    #[must_use]
     pub const fn unfinished(&self) -> u8 {
         self.queue.unfinished()
     }
@@ -286,7 +284,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
 
     /// How many milliseconds may pass until [`poll`](Self::poll) or [`output`](Self::output) have something to do
     /// without anything being received or done; `None` when there is nothing to wait for.
-    #[must_use]
     #[inline]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         let due = self.due(now);
@@ -324,7 +321,6 @@ impl<const QUEUE: usize> Motion<QUEUE> {
     }
 
     /// What was seen so far.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.health
     }

@@ -95,7 +95,6 @@ pub(super) enum Step {
 
 impl<const NOTICES: bool> Receiver<NOTICES> {
     /// A receiver that has received nothing.
-    #[must_use]
     pub const fn new() -> Self {
         Self { vector: Vector::new(), value: 0, number: Numbered::NONE, state: IDLE, start: 0, left: 0, place: 0 }
     }
@@ -143,45 +142,38 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     }
 
     /// The values of what was found: positions, deltas, or a velocity alone. Only those that its mask flags count.
-    #[must_use]
     pub const fn vector(&self) -> &Vector {
         &self.vector
     }
 
     /// The number in front of what was found.
-    #[must_use]
     pub const fn number(&self) -> Option<Number> {
         self.number.get()
     }
 
     /// How it was written; not that of a completion, which is its number's.
-    #[must_use]
     pub const fn format(&self) -> Format {
         if self.start == 0 { Format::Ascii } else { Format::Binary }
     }
 
     /// The code of what is [`Refused`](Kind::Refused) or [`Malformed`](Kind::Malformed).
-    #[must_use]
     pub const fn code(&self) -> u8 {
         low(self.value)
     }
 
     /// The 14 bits of a [`Control`](Kind::Control) or a [`Status`](Kind::Status).
-    #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "14 bits")]
     pub const fn bits(&self) -> u16 {
         self.value as u16 & NUMBER_MAX
     }
 
     /// Of what is [`Confirmed`](Kind::Confirmed), the lowest bits of the number, and the check.
-    #[must_use]
     pub const fn confirmed(&self) -> (u8, u8) {
         let [number, check] = halves(self.bits());
         (number, check)
     }
 
     /// The period of reports that is asked for, in milliseconds.
-    #[must_use]
     pub const fn period(&self) -> u16 {
         self.vector.velocity
     }

@@ -34,25 +34,21 @@ pub enum Lost {
 
 impl Vector {
     /// No axis and no velocity.
-    #[must_use]
     pub const fn new() -> Self {
         Self { velocity: 0, mask: 0, axes: [0; AXES] }
     }
 
     /// The value of an axis, 0 to 5, if it has one.
-    #[must_use]
     pub fn axis(&self, axis: usize) -> Option<i32> {
         self.axes.get(axis).copied().filter(|_| self.has(axis))
     }
 
     /// Whether an axis has a value.
-    #[must_use]
     pub const fn has(&self, axis: usize) -> bool {
         axis < AXES && self.mask >> axis & 1 == 1
     }
 
     /// The velocity, if it has one. Without it, that of the last vector holds.
-    #[must_use]
     pub const fn velocity(&self) -> Option<u16> {
         if self.mask & MASK_VELOCITY == 0 { None } else { Some(self.velocity) }
     }
@@ -112,11 +108,7 @@ impl Vector {
     }
 
     /// Moves a position, whose mask flags the known axes, to where a vector leads: to its values, or on by them if they
-    /// are deltas. The velocity goes with it.
-    ///
-    /// # Errors
-    ///
-    /// See [`Lost`]; nothing has changed then.
+    /// are deltas. The velocity goes with it. When it can't be followed, nothing changes.
     pub fn follow(&mut self, vector: &Self, is_step: bool) -> Result<(), Lost> {
         // All of it or nothing: the first round only looks.
         let mut writes = false;
@@ -158,7 +150,6 @@ impl Vector {
 
     /// A checksum of 7 bits of a move's number and of the values that `named` flags: a residue modulo 127, which differs
     /// for values that are a power of two apart, as one flipped bit makes them.
-    #[must_use]
     pub fn check(&self, named: u8, number: u16) -> u8 {
         let velocity = if named & MASK_VELOCITY == 0 { 0 } else { self.velocity };
         let mut sum = add(add(0, number.into()), velocity.into());

@@ -9,13 +9,11 @@ pub const EMPTY_SUM: u16 = 0xFFFF;
 
 /// The checksum of some bytes.
 #[inline]
-#[must_use]
 pub fn fletcher16(bytes: &[u8]) -> u16 {
     fletcher16_more(EMPTY_SUM, bytes)
 }
 
 /// The checksum of the bytes that have the checksum `sum` and more behind them.
-#[must_use]
 pub fn fletcher16_more(sum: u16, bytes: &[u8]) -> u16 {
     fletcher(sum, bytes)
 }

@@ -89,7 +89,6 @@ pub struct DeviceLink<const WINDOW: usize, const REPLY: usize> {
 
 impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     /// A link that has just been connected.
-    #[must_use]
     pub const fn new() -> Self {
         let health = Health { commands: 0, repeats: 0, checksums: 0, malformed: 0, overflows: 0, refused: 0 };
         Self { lines: Lines::new(), refused_setup: 0, now: 0, repeat_ms: REPEAT_MS, health, answers: Answers::new() }
@@ -101,13 +100,11 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     }
 
     /// The settings in force.
-    #[must_use]
     pub const fn setup(&self) -> Setup {
         self.lines.setup
     }
 
     /// How the link does.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.health
     }
@@ -121,18 +118,14 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
 
     /// Whether a [`tick`](Self::tick) is due: behind an answer, and each quarter of a second.
     #[inline(always)]
-    #[must_use]
     pub fn is_behind(&self, now: u32) -> bool {
         // Forgetting answers that late costs the less for each byte.
         let ([_, coarse, ..], [_, known, ..]) = (now.to_le_bytes(), self.now.to_le_bytes());
         self.answers.fresh != 0 || coarse != known
     }
 
-    /// Whether a line is a command that was received intact; if so, the link goes on with that command.
-    ///
-    /// # Errors
-    ///
-    /// If it is not intact, what is wrong.
+    /// Whether a line is a command that was received intact; if so, the link goes on with that command. Else what is
+    /// wrong.
     pub fn accept(&mut self, message: &Message, now: u32) -> Result<(), Fault> {
         let sum = message.sum;
         match message.checksum {
@@ -185,7 +178,6 @@ impl<const WINDOW: usize, const REPLY: usize> DeviceLink<WINDOW, REPLY> {
     }
 
     /// The answer to the command, if it was executed before.
-    #[must_use]
     pub fn repeated(&self) -> Option<&[u8]> {
         self.answers.get(self.lines.request.place)
     }
@@ -260,13 +252,11 @@ impl<const WINDOW: usize, const REPLY: usize> Default for DeviceLink<WINDOW, REP
 }
 
 /// Whether a device behind a link may have that id: one to [`ID_MAX`] of `[0-9A-Za-z._-]`, which need no encoding.
-#[must_use]
 pub fn is_id(id: &[u8]) -> bool {
     !id.is_empty() && id.len() <= ID_MAX && id.iter().all(|byte| is_plain(*byte))
 }
 
 /// Whether a command is the one that the link itself executes.
-#[must_use]
 pub fn is_setup(message: &Message) -> bool {
     message.command().is(LINKSETUP)
 }

@@ -43,7 +43,6 @@ pub struct Encoder<'a> {
 
 impl<'a> Encoder<'a> {
     /// Begins a line which may be as long as the buffer, its end included: what a device sends.
-    #[must_use]
     #[inline(always)]
     pub fn begin(room: &'a mut [u8], command: &[u8]) -> Self {
         let mut encoder = Self { room, length: 0, error: None };
@@ -61,7 +60,6 @@ impl<'a> Encoder<'a> {
     }
 
     /// Begins a line which may have [`COMMAND_MAX`] bytes, its end included, if the buffer has them: what a PC sends.
-    #[must_use]
     pub fn command(room: &'a mut [u8], command: &[u8]) -> Self {
         let limit = room.len().min(COMMAND_MAX);
         Self::begin(room.get_mut(..limit).unwrap_or_default(), command)
@@ -74,13 +72,11 @@ impl<'a> Encoder<'a> {
     }
 
     /// Number of bytes so far.
-    #[must_use]
     pub const fn length(&self) -> usize {
         self.length
     }
 
     /// What went wrong so far.
-    #[must_use]
     pub const fn error(&self) -> Option<EncodeError> {
         self.error
     }
@@ -162,11 +158,8 @@ impl<'a> Encoder<'a> {
         self.put_digits(low, b'a');
     }
 
-    /// Ends the line, with its checksum if wanted, and returns the length of the whole.
-    ///
-    /// # Errors
-    ///
-    /// The first error there was. The buffer's first byte is then 0.
+    /// Ends the line, with its checksum if wanted, and returns the length of the whole, or the first error there
+    /// was. The buffer's first byte is 0 then.
     pub fn finish(&mut self, checksum: bool) -> Result<usize, EncodeError> {
         if checksum {
             let sum = fletcher16(self.room.get(..self.length).unwrap_or_default());

@@ -164,7 +164,6 @@ pub struct Health {
 
 impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WINDOW, DEVICES> {
     /// A session that has just begun.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         const { assert!(1 < WINDOW && WINDOW <= 65 && DEVICES <= 255) }
         Self { receiver: Receiver::new(), session: Session { settings, ..Session::new_zeroed() } }
@@ -176,19 +175,16 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     }
 
     /// What is in force on the link.
-    #[must_use]
     pub const fn link(&self) -> Link {
         self.session.link
     }
 
     /// The devices that have signed in. Their places in this list do not change.
-    #[must_use]
     pub fn devices(&self) -> &[Device] {
         self.session.devices.all()
     }
 
     /// How the link does.
-    #[must_use]
     pub const fn health(&self) -> &Health {
         &self.session.health
     }
@@ -241,7 +237,6 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// How many milliseconds may pass until [`poll`](Self::poll) or [`output`](Self::output) has something to do
     /// without having received anything; `None` when only receiving or a command brings anything about. To be asked
     /// when there are no events and no lines left.
-    #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         let unhandled = self.session.handled == 0 && self.receiver.has_ended();
         if unhandled || !self.session.pending.is_empty() {

@@ -10,10 +10,6 @@ pub type IntegerText = [u16; 10];
 /// An integer that values can say: `i32` or `i64`.
 pub trait Integer: Copy {
     /// Reads an optional sign and digits, perhaps with spaces around them.
-    ///
-    /// # Errors
-    ///
-    /// When it is none, or beyond what the type holds.
     fn read(text: Decoded<'_>) -> Result<Self, NumberError>;
 
     /// Writes it to the end of the room: a minus if needed, and the digits.

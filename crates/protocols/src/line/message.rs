@@ -60,11 +60,7 @@ impl<'a> Param<'a> {
 }
 
 impl<'a> Message<'a> {
-    /// Reads a line, with or without its end (LF or CR LF).
-    ///
-    /// # Errors
-    ///
-    /// When it can't be read: see [`Malformed`]. A wrong checksum is no such error: see [`checksum`](Self::checksum).
+    /// Reads a line, with or without its end (LF or CR LF). A wrong checksum is no error: see [`checksum`](Self::checksum).
     pub fn parse(line: &'a [u8]) -> Result<Self, Malformed> {
         let line = without_end(line);
         if !matches!(line, [b'c'] | [b'c', b'=' | b'&', ..]) {
@@ -106,25 +102,21 @@ impl<'a> Message<'a> {
     }
 
     /// What the line is about: the value of the first parameter. It may be empty.
-    #[must_use]
     pub fn command(&self) -> Value<'a> {
         self.text(b"c")
     }
 
     /// The parameters in their order, the command first, a checksum last.
-    #[must_use]
     pub const fn params(&self) -> Params<'a> {
         Params::of(self.line)
     }
 
     /// The value of the first parameter of a name.
-    #[must_use]
     pub fn get(&self, name: &[u8]) -> Option<Value<'a>> {
         self.params().value(name, 0)
     }
 
     /// The same; nothing when there is none.
-    #[must_use]
     pub fn text(&self, name: &[u8]) -> Value<'a> {
         self.get(name).unwrap_or_default()
     }
@@ -138,19 +130,16 @@ pub struct Params<'a> {
 
 impl<'a> Params<'a> {
     /// Those of a line without its end.
-    #[must_use]
     pub const fn of(line: &'a [u8]) -> Self {
         Self { rest: line }
     }
 
     /// The parameter of a name that has `occurrence` others of that name before it. The command is the first `c`.
-    #[must_use]
     pub fn find_named(self, name: &[u8], occurrence: usize) -> Option<Param<'a>> {
         self.piece(name, occurrence).map(Param::of)
     }
 
     /// The value of what [`find_named`](Self::find_named) finds.
-    #[must_use]
     pub fn value(self, name: &[u8], occurrence: usize) -> Option<Value<'a>> {
         self.piece(name, occurrence).map(|piece| Value::new(behind(piece, name)))
     }

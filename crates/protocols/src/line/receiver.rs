@@ -39,7 +39,6 @@ pub enum Received<'a> {
 
 impl<const SIZE: usize> Receiver<SIZE> {
     /// An empty receiver.
-    #[must_use]
     pub const fn new() -> Self {
         const { assert!(0 < SIZE && SIZE <= 0xFFFF) }
         Self { used: 0, state: RECEIVING, line: [0; SIZE] }
@@ -90,14 +89,12 @@ impl<const SIZE: usize> Receiver<SIZE> {
     }
 
     /// Whether there is something to [`release`](Self::release).
-    #[must_use]
     #[inline(always)]
     pub const fn has_ended(&self) -> bool {
         self.state >= COMPLETE
     }
 
     /// What was received.
-    #[must_use]
     pub fn received(&self) -> Received<'_> {
         match (self.state, self.line.get(..self.used.into())) {
             (COMPLETE, Some(line)) => Received::Line(line),

@@ -21,37 +21,31 @@ pub enum NumberError {
 
 impl<'a> Value<'a> {
     /// A value, as it stands in a line.
-    #[must_use]
     pub const fn new(raw: &'a [u8]) -> Self {
         Self(raw)
     }
 
     /// The value as it stands in the line, encoded.
-    #[must_use]
     pub const fn raw(self) -> &'a [u8] {
         self.0
     }
 
     /// Whether it is no text at all.
-    #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0.is_empty()
     }
 
     /// The decoded text. It may be any bytes, 0 among them, though the protocol means UTF-8.
-    #[must_use]
     pub const fn bytes(self) -> Decoded<'a> {
         Decoded { rest: self.0 }
     }
 
     /// Number of bytes of the decoded text.
-    #[must_use]
     pub fn len(self) -> usize {
         self.bytes().count()
     }
 
     /// Whether that is the decoded text.
-    #[must_use]
     pub fn is(self, text: &[u8]) -> bool {
         let mut own = self.bytes();
         for byte in text {
@@ -69,30 +63,23 @@ impl<'a> Value<'a> {
     }
 
     /// Reads an integer: an optional sign and digits.
-    ///
-    /// # Errors
-    ///
-    /// When it is none, or beyond what the type holds.
     pub fn int<T: Integer>(self) -> Result<T, NumberError> {
         T::read(self.bytes())
     }
 
     /// Reads an integer of 0 to 255, such as `t`.
-    #[must_use]
     pub fn byte(self) -> Option<u8> {
         let [byte, 0] = self.word()?.to_le_bytes() else { return None };
         Some(byte)
     }
 
     /// Reads an integer of 0 to 65535, such as a window size.
-    #[must_use]
     pub fn word(self) -> Option<u16> {
         let [low, high, 0, 0] = self.int::<i32>().ok()?.to_le_bytes() else { return None };
         Some(u16::from_le_bytes([low, high]))
     }
 
     /// Reads four hexadecimal digits of either case: a checksum.
-    #[must_use]
     pub fn hex(self) -> Option<u16> {
         if self.0.len() != 4 {
             return None;
@@ -101,10 +88,7 @@ impl<'a> Value<'a> {
     }
 
     /// Reads a decimal number, such as `-1000.00` or `1e3`, as the nearest `f32`; a tie goes to the even one.
-    ///
-    /// # Errors
-    ///
-    /// When it is none (infinities and NaNs have no decimal digits), or so large that an infinity would be nearest.
+    /// Infinities and NaNs have no decimal digits; what is so large that an infinity would be nearest is out of range.
     pub fn float(self) -> Result<f32, NumberError> {
         let (negative, digits) = signed(self.bytes());
         let (bits, rest) = decimal::read_float(digits).ok_or(NumberError::Malformed)?;

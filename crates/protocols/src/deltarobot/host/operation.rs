@@ -62,7 +62,7 @@ impl Session {
             self.accept(Fact::Acked, now);
         } else if self.operation.stage() == Stage::Sent {
             self.operation.answer(false, now, &mut self.health);
-            if self.operation.transmission.sent() == 1 {
+            if self.operation.transmission.sent == 1 {
                 self.operation.end(Outcome::Refused);
             } else {
                 self.operation.stage = Stage::NackAfterRetry as u8;
@@ -75,7 +75,7 @@ impl Session {
     fn accept(&mut self, fact: Fact, now: u32) {
         self.operation.stage = Stage::Accepted as u8;
         let is_cancelled = self.facts.has(Fact::Cancelled);
-        self.facts = Flags::new();
+        self.facts = Flags::default();
         self.facts.set_to(Fact::Cancelled, is_cancelled);
         self.facts.set(fact);
         self.accepted_at = now;

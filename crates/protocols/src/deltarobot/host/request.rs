@@ -88,11 +88,11 @@ impl Request {
             return Err(Busy);
         }
         if self.marks.has(Mark::Used) {
-            let in_flight = duplicates || self.transmission.sent() > 1 || !self.marks.has(Mark::Acked);
+            let in_flight = duplicates || self.transmission.sent > 1 || !self.marks.has(Mark::Acked);
             self.marks.set_to(Mark::PreviousInFlight, in_flight);
-            self.previous_at = self.transmission.sent_at();
+            self.previous_at = self.transmission.sent_at;
         }
-        self.transmission.restart();
+        self.transmission.sent = 0;
         self.marks.clear(Mark::Used);
         self.marks.clear(Mark::Acked);
         self.stage = Stage::Queued as u8;
@@ -103,7 +103,7 @@ impl Request {
     pub(super) fn overtake(&mut self) {
         self.stage = Stage::Accepted as u8;
         self.marks.set(Mark::Acked);
-        self.transmission.restart();
+        self.transmission.sent = 0;
     }
 
     /// Has it sent for the first time or again.
@@ -114,7 +114,7 @@ impl Request {
 
     /// Has it sent without counting that, since an answer would not be believed anyway.
     pub(super) fn send_uncounted(&mut self, now: u32) {
-        self.transmission.delay(now);
+        self.transmission.sent_at = now;
         self.sends();
     }
 
@@ -140,12 +140,12 @@ impl Request {
     /// Its frame was fetched for sending.
     pub(super) fn leaves(&mut self, now: u32) {
         self.withhold();
-        self.transmission.delay(now);
+        self.transmission.sent_at = now;
     }
 
     /// It was answered, and accepted or refused by that.
     pub(super) fn answer(&mut self, accepted: bool, now: u32, health: &mut Health) {
-        if self.transmission.sent() == 1 && !self.marks.has(Mark::PreviousInFlight) {
+        if self.transmission.sent == 1 && !self.marks.has(Mark::PreviousInFlight) {
             health.round_trips.add(self.transmission.elapsed(now));
         }
         self.marks.set_to(Mark::Acked, accepted);
@@ -174,7 +174,7 @@ impl Request {
 
     /// Whether a retransmission may still be on its way, or its answer.
     pub(super) const fn is_retry_in_flight(&self, now: u32, guard: u32) -> bool {
-        self.transmission.sent() > 1 && self.transmission.left(now, guard) > 0
+        self.transmission.sent > 1 && self.transmission.left(now, guard) > 0
     }
 }
 

@@ -45,7 +45,7 @@ impl Session {
     fn cancel_due(&mut self, now: u32) {
         if self.cancel.previous_left(now, self.settings.guard()) > 0 {
             self.cancel.send_uncounted(now);
-        } else if self.cancel.stage() == Stage::Sent && !self.may_retransmit(self.cancel.transmission.sent()) {
+        } else if self.cancel.stage() == Stage::Sent && !self.may_retransmit(self.cancel.transmission.sent) {
             // It may have been received all the same.
             self.facts.set(Fact::Cancelled);
             self.cancel.end(Outcome::TimedOut);
@@ -89,12 +89,12 @@ impl Session {
         match self.operation.stage() {
             Stage::Queued => {
                 self.started_at = now;
-                self.facts = Flags::new();
+                self.facts = Flags::default();
                 self.operation.send(now);
             }
             Stage::Sent if self.facts.has(Fact::ErrorReported) => self.operation.end(Outcome::Failed),
             Stage::Sent if self.facts.has(Fact::Cancelled) => self.operation.end(Outcome::TimedOut),
-            Stage::Sent if self.may_retransmit(self.operation.transmission.sent()) => self.operation.send(now),
+            Stage::Sent if self.may_retransmit(self.operation.transmission.sent) => self.operation.send(now),
             Stage::Sent if self.facts.has(Fact::SeenRunning) => self.accept_by_reports(now),
             Stage::Sent => self.operation.end(Outcome::TimedOut),
             Stage::NackAfterRetry if self.resolution_left(now) == 0 => self.operation.end(Outcome::TimedOut),
@@ -104,7 +104,7 @@ impl Session {
     }
 
     fn status_due(&mut self, now: u32) {
-        if self.status.stage() == Stage::Sent && !self.may_retransmit(self.status.transmission.sent()) {
+        if self.status.stage() == Stage::Sent && !self.may_retransmit(self.status.transmission.sent) {
             self.status.end(Outcome::TimedOut);
         } else {
             self.status.send(now);

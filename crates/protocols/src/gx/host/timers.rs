@@ -7,7 +7,6 @@ use crate::session::{count, left};
 impl<const WINDOW: usize> Host<WINDOW> {
     /// How many milliseconds may pass until [`poll`](Self::poll) has something to do without having received anything;
     /// `None` when only receiving or a request brings anything about. To be asked when there are no events left.
-    #[must_use]
     pub fn next_deadline(&self, now: u32) -> Option<u32> {
         if !self.pending.is_empty() || self.window.has_ended() || self.has_output() {
             return Some(0);
@@ -37,7 +36,7 @@ impl<const WINDOW: usize> Host<WINDOW> {
         }
         if self.control_left(now) == Some(0) {
             count(&mut self.health.timeouts);
-            if self.settings.allows(self.control_sent.sent()) {
+            if self.settings.allows(self.control_sent.sent) {
                 self.send.set(Send::Control);
             } else {
                 self.give_up_asking();

@@ -62,11 +62,7 @@ impl<const SIZE: usize> Queue<SIZE> {
         Numbered::NONE
     }
 
-    /// Puts a move behind the others. There has to be room.
-    ///
-    /// # Errors
-    ///
-    /// When it leads nowhere: nothing changes then.
+    /// Puts a move behind the others. There has to be room. When it leads nowhere, nothing changes.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(super) fn push(&mut self, vector: &Vector, is_step: bool, number: Numbered) -> Result<(), Lost> {
         self.last.follow(vector, is_step)?;

@@ -44,7 +44,6 @@ pub enum Fault {
 
 impl Fault {
     /// The code in words of the protocol.
-    #[must_use]
     pub const fn code(self) -> &'static [u8] {
         match self {
             Self::Checksum => b"checksum",

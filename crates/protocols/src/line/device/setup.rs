@@ -16,25 +16,21 @@ pub struct Setup {
 
 impl Setup {
     /// A setup: a window of 0 stands for 1.
-    #[must_use]
     pub const fn new(ack: bool, checksum: bool, window: u8) -> Self {
         Self { ack: ack as u8, checksum: checksum as u8, window }
     }
 
     /// Whether commands are acked.
-    #[must_use]
     pub const fn acks(self) -> bool {
         self.ack != 0
     }
 
     /// Whether commands have checksums.
-    #[must_use]
     pub const fn checks(self) -> bool {
         self.checksum != 0
     }
 
     /// Commands that may be unanswered.
-    #[must_use]
     pub const fn window(self) -> u8 {
         if self.window == 0 { 1 } else { self.window }
     }

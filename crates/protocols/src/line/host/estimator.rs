@@ -36,9 +36,7 @@ impl Estimator {
 
     /// Nothing came in time.
     pub(super) const fn back_off(&mut self) {
-        if self.backoff < BACKOFF_MAX {
-            self.backoff = self.backoff.wrapping_add(1);
-        }
+        self.backoff = self.backoff.saturating_add(1);
     }
 
     /// How long to wait: `least` at least, and by backoff alone not beyond `most`.

@@ -104,7 +104,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
                 self.concerned = slot.handle;
                 self.pending.set(Pending::Acked);
             }
-            if slot.transmission.sent() == 1 {
+            if slot.transmission.sent == 1 {
                 self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 self.acks.add(slot.waited(heard_at));
             }
@@ -135,7 +135,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         });
         let found = slot.is_some();
         if let Some(slot) = slot {
-            if slot.transmission.sent() == 1 {
+            if slot.transmission.sent == 1 {
                 if !slot.is_acked() {
                     self.health.round_trips.add(slot.transmission.elapsed(heard_at));
                 }
@@ -182,7 +182,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         let Some(slot) = found else { return count(&mut self.health.strays) };
         self.concerned = slot.handle;
         // What was refused may be a damaged repeat of what was executed.
-        if slot.transmission.sent() == 1 || link.checks() {
+        if slot.transmission.sent == 1 || link.checks() {
             let handle = slot.handle;
             self.heard_of(handle);
             self.end(handle, outcome);
@@ -206,7 +206,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
         }
         // A line that falls apart is reported more than once, and of several commands it is not known which was damaged:
         // a device that does not recognise repeats would execute one twice.
-        let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent() == 1;
+        let certain = self.settings.recognises != 0 || out == 1 && slot.transmission.sent == 1;
         let safe = certain || slot.is_linksetup();
         if slot.is_waiting() && safe && slot.may_be_repeated(&self.settings, self.counter.advanced, now) {
             slot.retransmit();

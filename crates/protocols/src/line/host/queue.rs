@@ -25,10 +25,6 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     /// `command` is the beginning of the line, e.g. `c=setswitch&state=1`: printable ASCII, without a checksum and
     /// without parameters `t` and `id`, which are added. It has to leave room for these: for a `t` of two digits, and
     /// for `s` where checksums are in force.
-    ///
-    /// # Errors
-    ///
-    /// See [`QueueError`].
     pub fn send(&mut self, command: &[u8], id: &[u8]) -> Result<u16, QueueError> {
         let session = &mut self.session;
         let checksum = session.link.checks();
@@ -59,10 +55,6 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
     }
 
     /// Queues a `linksetup` with those of these parameters that are given. Three are one too many for a line.
-    ///
-    /// # Errors
-    ///
-    /// As for [`send`](Self::send).
     pub fn setup(
         &mut self,
         id: &[u8],
@@ -136,7 +128,7 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
             // A host that starts, or a device that does, has to find out about checksums.
             let flip = !first
                 && slot.is_linksetup()
-                && slot.transmission.sent() % 2 == 1
+                && slot.transmission.sent % 2 == 1
                 && slot.sum_with(slot.t, !checksum).is_some();
             let checksum = checksum != flip;
             let Some(length) = slot.write(t, checksum, line) else {

@@ -66,19 +66,16 @@ pub struct Link {
 
 impl Link {
     /// Whether the device acknowledges commands.
-    #[must_use]
     pub const fn acks(&self) -> bool {
         self.ack != 0
     }
 
     /// Whether commands have a checksum.
-    #[must_use]
     pub const fn checks(&self) -> bool {
         self.checksum != 0
     }
 
     /// Number of commands that may be unanswered, 1 to 65535, as far as the device is concerned.
-    #[must_use]
     pub const fn windowsize(&self) -> u16 {
         if self.windowsize == 0 { 1 } else { self.windowsize }
     }

@@ -142,7 +142,7 @@ impl Slot {
         self.flags = if message.command().is(b"linksetup") { LINKSETUP } else { 0 };
         self.write(99, checksum, &mut [0; COMMAND_MAX]).ok_or(QueueError::TooLong)?;
         self.stage = QUEUED;
-        self.transmission.restart();
+        self.transmission.sent = 0;
         self.overtaken = 0;
         Ok(())
     }
@@ -153,13 +153,13 @@ impl Slot {
         self.sum = sum;
         self.mark = advanced;
         self.first_at = now;
-        self.transmission.restart();
+        self.transmission.sent = 0;
         self.flags &= LINKSETUP;
     }
 
     /// It was sent, as the line of that place in the order of all, and will have left after `delay`.
     pub(super) fn sent_as(&mut self, checksum: bool, line: u32, length: usize, now: u32, delay: u32) {
-        if self.transmission.sent() == 0 {
+        if self.transmission.sent == 0 {
             self.first_line = line;
         }
         self.last_line = line;
@@ -234,7 +234,7 @@ impl Slot {
     /// Whether it may be sent once more.
     pub(super) fn may_be_repeated(&self, settings: &Settings, advanced: u32, now: u32) -> bool {
         let recent = self.is_recent(settings.repeat(), advanced, now);
-        self.transmission.sent() <= settings.repeats() && (recent || self.is_linksetup())
+        self.transmission.sent <= settings.repeats() && (recent || self.is_linksetup())
     }
 
     /// Whether it is so little since it was sent first that the device still remembers it.

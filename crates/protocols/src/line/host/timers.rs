@@ -69,9 +69,8 @@ impl<const WINDOW: usize, const DEVICES: usize> Session<WINDOW, DEVICES> {
 
     /// Something was heard of a command, at `heard_at`: only now can anything be heard of those behind it.
     pub(super) fn heard_of(&mut self, handle: u16) {
-        let Some(age) = self.slot(handle).map(|slot| slot.order) else { return };
         let (order, at) = (self.order, self.heard_at);
-        let age = order.wrapping_sub(age);
+        let Some(age) = self.slot(handle).map(|slot| slot.age(order)) else { return };
         for newer in self.slots.iter_mut().filter(|newer| newer.is_out() && newer.age(order) < age) {
             newer.older_heard(at);
         }
