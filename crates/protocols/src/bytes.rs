@@ -411,9 +411,6 @@ pub fn before_less(bytes: &[u8], limit: u8) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use std::vec;
-    use std::vec::Vec;
-
     use super::{add_up, before_less, copy};
 
     fn some(length: usize) -> Vec<u8> {

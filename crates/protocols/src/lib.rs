@@ -2,7 +2,7 @@
 //! protocol, and GX binary vectors.
 //!
 //! Nothing allocates, blocks or does I/O, and nothing keeps state of its own.
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![cfg_attr(
     test,
@@ -15,9 +15,6 @@
     )
 )]
 #![allow(missing_docs, unreachable_pub)]
-
-#[cfg(test)]
-extern crate std;
 
 pub mod bytes;
 pub mod decimal;

@@ -341,13 +341,13 @@ mod tests {
     }
 
     /// The opcodes of the messages that are there.
-    fn opcodes(host: &mut Host, now: u32) -> std::vec::Vec<u8> {
+    fn opcodes(host: &mut Host, now: u32) -> Vec<u8> {
         let events = core::iter::from_fn(|| host.poll(now, &mut [0; 0]));
         events.filter_map(|event| if let Event::Message(opcode, _) = event { Some(opcode.0) } else { None }).collect()
     }
 
-    fn feed(host: &mut Host, mut bytes: &[u8]) -> std::vec::Vec<u8> {
-        let mut received = std::vec::Vec::new();
+    fn feed(host: &mut Host, mut bytes: &[u8]) -> Vec<u8> {
+        let mut received = Vec::new();
         while !bytes.is_empty() {
             let taken = host.receive(bytes, 0);
             bytes = &bytes[taken..];

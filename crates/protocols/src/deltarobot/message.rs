@@ -128,7 +128,7 @@ mod tests {
                 assert_eq!(Message::read(message.opcode(), &payload[..length], layout), Some(message));
                 // A byte more or less is another length, which is wrong but for what a firmware's report may have.
                 for wrong in [length.wrapping_sub(1), length + 1] {
-                    let bytes: std::vec::Vec<u8> = payload.iter().copied().chain([0; 4]).collect();
+                    let bytes: Vec<u8> = payload.iter().copied().chain([0; 4]).collect();
                     let Some(bytes) = bytes.get(..wrong) else { continue };
                     let lenient = message.opcode() == Opcode::STATUS_REPL && layout != Layout::Spec;
                     assert_eq!(

@@ -345,7 +345,6 @@ impl<const QUEUE: usize> Default for Motion<QUEUE> {
 pub(super) mod tests {
     use super::Motion;
     use crate::gx::{ENCODED_MAX, Fault};
-    use std::vec::Vec;
 
     /// What it sends when it has received this.
     pub(in crate::gx) fn says<const QUEUE: usize>(motion: &mut Motion<QUEUE>, received: &[u8], now: u32) -> Vec<u8> {

@@ -274,7 +274,6 @@ pub fn is_setup(message: &Message) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::string::String;
 
     type Link = DeviceLink<4, 96>;
 
@@ -328,8 +327,8 @@ mod tests {
     fn the_counter_never_goes_back() {
         let mut device = Link::new();
         for (t, answer) in [(0, 1), (1, 2), (0, 3), (100, 101), (50, 102), (228, 229), (101, 230), (0, 1), (255, 2)] {
-            let line = std::format!("c=x&t={t}\n");
-            assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&std::format!("t={answer}\n")), "{t}");
+            let line = format!("c=x&t={t}\n");
+            assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&format!("t={answer}\n")), "{t}");
         }
     }
 

@@ -252,8 +252,6 @@ mod tests {
     use super::{COMMAND_MAX, EncodeError, Encoder};
     use crate::line::{Checksum, Message};
     use proptest::prelude::*;
-    use std::string::String;
-    use std::vec::Vec;
 
     /// The line that is built in a buffer of 256 bytes.
     fn built(
@@ -349,7 +347,7 @@ mod tests {
 
         #[test]
         fn no_room_is_overrun(room in 0..40_usize, text: Vec<u8>, raw: Vec<u8>, checksum: bool) {
-            let mut room = std::vec![0; room];
+            let mut room = vec![0; room];
             let size = room.len();
             let mut line = Encoder::begin(&mut room, b"go");
             match line.text(b"a", &text).raw(b"b", &raw).finish(checksum) {

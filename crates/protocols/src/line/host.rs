@@ -255,9 +255,6 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
 mod tests {
     use super::{COMMAND_MAX, Settings};
     use proptest::prelude::*;
-    use std::format;
-    use std::string::String;
-    use std::vec::Vec;
 
     type Host = super::Host<256, 9, 16>;
 

@@ -215,7 +215,6 @@ pub(super) const fn without_end(line: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::{Checksum, Malformed, Message, Value, fletcher16};
-    use std::vec::Vec;
 
     fn parse(line: &[u8]) -> Message<'_> {
         Message::parse(line).unwrap_or_else(|error| panic!("{error:?}: {line:?}"))
@@ -288,7 +287,7 @@ mod tests {
             assert_eq!((message.checksum, message.sum), (checksum, sum), "{line}");
         }
         let sum = fletcher16(b"c=x");
-        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &std::format!("c=x&s={sum:04x}&t=1")] {
+        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &format!("c=x&s={sum:04x}&t=1")] {
             let message = parse(line.as_bytes());
             assert_eq!((message.checksum, message.sum), (Checksum::Wrong, sum), "{line}");
         }

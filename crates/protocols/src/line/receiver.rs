@@ -129,8 +129,6 @@ impl<const SIZE: usize> Default for Receiver<SIZE> {
 mod tests {
     use super::{Received, Receiver};
     use proptest::prelude::*;
-    use std::vec;
-    use std::vec::Vec;
 
     /// Lines, or `None` for those that were lost.
     fn lines<const SIZE: usize>(pieces: &[&[u8]]) -> Vec<Option<Vec<u8>>> {

@@ -1,7 +1,5 @@
 //! What the receiver finds, beside the grammar applied to the whole stream.
 
-use std::vec::Vec;
-
 use proptest::prelude::*;
 use zerocopy::FromBytes;
 

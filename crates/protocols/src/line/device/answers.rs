@@ -124,8 +124,6 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
 
 #[cfg(test)]
 mod tests {
-    use std::vec::Vec;
-
     const WINDOW: usize = 8;
     type Answers = super::Answers<WINDOW, 64>;
 

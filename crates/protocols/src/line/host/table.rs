@@ -140,8 +140,6 @@ fn before_zero(text: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::{Device, Listed, Message, TYPE_MAX};
-    use std::format;
-    use std::string::String;
     use zerocopy::FromZeros;
 
     const DEVICES: usize = 16;
