@@ -185,11 +185,9 @@ mod tests {
         #[test]
         fn any_float(bits in 0..0x7F80_0000_u32) {
             let value = f32::from_bits(bits);
-            check(&value.to_string());
-            check(&format!("{value:e}"));
-            check(&format!("{value:.2}"));
-            let exact: String = format!("{value:.149}");
-            check(&exact);
+            for text in [format!("{value}"), format!("{value:e}"), format!("{value:.2}"), format!("{value:.149}")] {
+                check(&text);
+            }
         }
     }
 }
