@@ -1,4 +1,5 @@
 use super::{Error, Geometry, Real, forward, inverse};
+use proptest::{prelude::Rng, test_runner::TestRunner};
 
 /// That of the graphical host program.
 const UPRIGHT: Geometry =
@@ -30,14 +31,9 @@ fn table_holds<R: Real>(tolerance: f32) {
     }
 }
 
-/// Poses all over a work space, in millionths of its sides.
-fn poses(count: u32) -> impl Iterator<Item = [f32; 3]> {
-    let mut state = 1_u32;
-    let mut next = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f32::from(u16::try_from(state >> 16).unwrap()) / 65_535.0
-    };
-    (0..count).map(move |_| [next(), next(), next()])
+/// The same poses each time, all over a work space whose sides are 1.
+fn poses(count: usize) -> impl Iterator<Item = [f32; 3]> {
+    TestRunner::deterministic().new_rng().random_iter().take(count)
 }
 
 fn forward_inverts<R: Real>(tolerance: f32) {

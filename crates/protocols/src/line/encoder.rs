@@ -249,7 +249,7 @@ const fn digit(value: u8, ten: u8) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{COMMAND_MAX, EncodeError, Encoder};
+    use super::{EncodeError, Encoder};
     use crate::line::{Checksum, Message};
     use proptest::prelude::*;
 
@@ -302,18 +302,13 @@ mod tests {
     #[test]
     fn commands_have_64_bytes() {
         let mut room = [0; 200];
-        let mut six_axes = |checksum| {
-            let mut line = Encoder::command(&mut room, b"go");
-            line.put_all(b"&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1");
-            line.int(b"t", 0).text(b"id", b"IqlZci");
-            line.finish(checksum)
-        };
-        assert_eq!((six_axes(false), six_axes(true)), (Ok(63), Err(EncodeError::TooLong)));
-        for length in 55..70 {
-            let mut line = Encoder::command(&mut room, b"x");
-            line.text(b"y", &[b'y'; 100][..length - 7]);
-            let fits = length <= COMMAND_MAX;
-            assert_eq!(line.finish(false), if fits { Ok(length) } else { Err(EncodeError::TooLong) });
+        for (checksum, around) in [(false, "c=x&y=\n".len()), (true, "c=x&y=&s=0123\n".len())] {
+            for length in 55..70 {
+                let mut line = Encoder::command(&mut room, b"x");
+                line.text(b"y", &[b'y'; 100][..length - around]);
+                let expected = if length <= 64 { Ok(length) } else { Err(EncodeError::TooLong) };
+                assert_eq!(line.finish(checksum), expected);
+            }
         }
     }
 
@@ -338,9 +333,8 @@ mod tests {
         }
 
         #[test]
-        fn no_room_is_overrun(room in 0..40_usize, text: Vec<u8>, raw: Vec<u8>, checksum: bool) {
-            let mut room = vec![0; room];
-            let size = room.len();
+        fn no_room_is_overrun(size in 0..40_usize, text: Vec<u8>, raw: Vec<u8>, checksum: bool) {
+            let mut room = vec![0; size];
             let mut line = Encoder::begin(&mut room, b"go");
             match line.text(b"a", &text).raw(b"b", &raw).finish(checksum) {
                 Ok(length) => {
