@@ -101,9 +101,7 @@ mod tests {
     fn nan_is_unknown_and_infinity_is_not_finite() {
         assert!(at(0.0, -1.5, f32::MAX).is_known() && at(0.0, -1.5, f32::MAX).is_finite());
         for nan in [0x7F80_0001, 0xFF80_0001, 0x7FC0_0000, 0xFFFF_FFFF] {
-            for place in 0..3 {
-                let mut bits = [0; 3];
-                bits[place] = nan;
+            for bits in [[nan, 0, 0], [0, nan, 0], [0, 0, nan]] {
                 assert!(!Position(bits).is_known() && !Position(bits).is_finite());
             }
         }

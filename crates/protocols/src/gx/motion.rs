@@ -354,12 +354,10 @@ pub(super) mod tests {
             while motion.poll(now).is_some() {}
         }
         let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
-        loop {
-            match motion.output(&mut frame, now) {
-                0 => return said,
-                length => said.extend(&frame[..length]),
-            }
+        while let length @ 1.. = motion.output(&mut frame, now) {
+            said.extend(&frame[..length]);
         }
+        said
     }
 
     /// A host that began a new session while the machine still carried out moves of its last session, or of nobody's.

@@ -124,9 +124,7 @@ impl<const WINDOW: usize, const REPLY: usize> Answers<WINDOW, REPLY> {
 
 #[cfg(test)]
 mod tests {
-    const WINDOW: usize = 8;
-    type Answers = super::Answers<WINDOW, 64>;
-
+    type Answers = super::Answers<8, 64>;
     const SPAN: u32 = 3000;
 
     fn keep(answers: &mut Answers, t: u8, sum: u16, text: &[u8], window: u8) {
@@ -144,7 +142,7 @@ mod tests {
 
     #[test]
     fn the_last_window_of_them() {
-        for window in [1, 2, u8::try_from(WINDOW).unwrap()] {
+        for window in [1, 2, 8] {
             let mut answers = Answers::new();
             for t in 0..100 {
                 keep(&mut answers, t, 7, &[t], window);
