@@ -315,9 +315,6 @@ mod tests {
             pending.set_to(Notice::Middle, is_set);
             assert_eq!(pending.has(Notice::Middle), is_set);
         }
-        pending.set(Notice::Middle);
-        pending.clear(Notice::Middle);
-        pending.clear(Notice::Middle);
         assert!(pending.is_empty());
     }
 

@@ -349,8 +349,7 @@ mod tests {
     fn feed(host: &mut Host, mut bytes: &[u8]) -> Vec<u8> {
         let mut received = Vec::new();
         while !bytes.is_empty() {
-            let taken = host.receive(bytes, 0);
-            bytes = &bytes[taken..];
+            bytes = &bytes[host.receive(bytes, 0)..];
             assert_eq!(host.link.has_more != 0, !bytes.is_empty());
             received.extend(opcodes(host, 0));
         }

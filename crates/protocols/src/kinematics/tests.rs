@@ -120,23 +120,20 @@ fn no_pose() {
 
 #[test]
 fn unfit_input() {
+    let nothing = Geometry { joints: [[0.0; 3]; 3], edge: 0.0, offset: 0.0 };
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        for place in 0..3 {
-            let mut numbers = [0.4; 3];
-            numbers[place] = bad;
+        for (place, numbers) in [[bad, 0.4, 0.4], [0.4, bad, 0.4], [0.4, 0.4, bad]].into_iter().enumerate() {
             assert_eq!(inverse::<f64>(&UPRIGHT, numbers), Err(Error::Input));
             assert_eq!(forward::<f64>(&UPRIGHT, numbers), Err(Error::Input));
             let mut geometry = UPRIGHT;
             geometry.joints[place] = numbers;
             assert_eq!(inverse::<f64>(&geometry, [0.25, 0.4, 0.25]), Err(Error::Input));
         }
-        for geometry in [Geometry { edge: bad, ..UPRIGHT }, Geometry { offset: bad, ..UPRIGHT }] {
+        for geometry in [Geometry { edge: bad, ..UPRIGHT }, Geometry { offset: bad, ..UPRIGHT }, nothing] {
+            assert_eq!(inverse::<f64>(&geometry, [0.25, 0.4, 0.25]), Err(Error::Input));
             assert_eq!(forward::<f64>(&geometry, [0.4; 3]), Err(Error::Input));
         }
     }
-    let nothing = Geometry { joints: [[0.0; 3]; 3], edge: 0.0, offset: 0.0 };
-    assert_eq!(inverse::<f64>(&nothing, [0.25, 0.4, 0.25]), Err(Error::Input));
-    assert_eq!(forward::<f64>(&nothing, [0.4; 3]), Err(Error::Input));
 }
 
 /// Any unit of length, and numbers whose squares are no floats.

@@ -279,8 +279,7 @@ mod tests {
         for piece in pieces {
             let mut rest = *piece;
             loop {
-                let taken = host.receive(rest, 0);
-                rest = &rest[taken..];
+                rest = &rest[host.receive(rest, 0)..];
                 while let Some(event) = host.poll(0) {
                     told.push(format!("{event:?}"));
                 }

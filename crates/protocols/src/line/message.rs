@@ -224,8 +224,7 @@ mod tests {
     fn names_repeat() {
         let line = b"c=go&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1&t=0&id=IqlZci";
         let message = parse(line);
-        assert_eq!(message.count, 11);
-        assert_eq!(message.command().raw(), b"go");
+        assert_eq!((message.count, message.command().raw()), (11, &b"go"[..]));
         let c = [0, 1, 2].map(|occurrence| message.params().value(b"c", occurrence).map(Value::raw));
         assert_eq!(c, [Some(&b"go"[..]), Some(b"50"), None]);
         assert_eq!(message.params().find_named(b"id", 0), message.params().nth(10));

@@ -159,8 +159,7 @@ mod tests {
                 assert_eq!(end, (Some(Outcome::TimedOut), false), "{latency} ms");
             }
         }
-        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
-        assert_eq!(end, (Some(Outcome::TimedOut), false));
+        assert_eq!(end_of_a_move(0, true, |_, _| b"=x1\n".to_vec()), (Some(Outcome::TimedOut), false));
     }
 
     #[test]
