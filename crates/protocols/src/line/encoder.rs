@@ -259,9 +259,7 @@ mod tests {
         build: impl for<'l, 'a> FnOnce(&'l mut Encoder<'a>) -> &'l mut Encoder<'a>,
     ) -> Result<String, EncodeError> {
         let mut room = [0; 256];
-        let mut encoder = Encoder::begin(&mut room, b"x");
-        build(&mut encoder);
-        let length = encoder.finish(checksum)?;
+        let length = build(&mut Encoder::begin(&mut room, b"x")).finish(checksum)?;
         Ok(String::from_utf8(room[..length].to_vec()).unwrap())
     }
 
@@ -304,10 +302,9 @@ mod tests {
         let mut room = [0; 200];
         for (checksum, around) in [(false, "c=x&y=\n".len()), (true, "c=x&y=&s=0123\n".len())] {
             for length in 55..70 {
-                let mut line = Encoder::command(&mut room, b"x");
-                line.text(b"y", &[b'y'; 100][..length - around]);
-                let expected = if length <= 64 { Ok(length) } else { Err(EncodeError::TooLong) };
-                assert_eq!(line.finish(checksum), expected);
+                let text = &[b'y'; 100][..length - around];
+                let finished = Encoder::command(&mut room, b"x").text(b"y", text).finish(checksum);
+                assert_eq!(finished, if length <= 64 { Ok(length) } else { Err(EncodeError::TooLong) });
             }
         }
     }
