@@ -2,7 +2,7 @@
 //! protocol, and GX binary vectors.
 //!
 //! Nothing allocates, blocks or does I/O, and nothing keeps state of its own.
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![cfg_attr(
     test,
@@ -17,9 +17,6 @@
 #![allow(missing_docs, unreachable_pub)]
 #![allow(clippy::missing_errors_doc, reason = "the error types say when")]
 #![allow(clippy::must_use_candidate, reason = "that is nearly every function here")]
-
-#[cfg(test)]
-extern crate std;
 
 pub mod bytes;
 pub mod decimal;

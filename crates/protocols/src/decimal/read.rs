@@ -120,7 +120,6 @@ impl Digits<'_> {
 mod tests {
     use super::read_float;
     use proptest::prelude::*;
-    use std::string::{String, ToString};
 
     /// The bits, and how many bytes were read.
     fn read(text: &str) -> Option<(Option<u32>, usize)> {
@@ -150,14 +149,14 @@ mod tests {
         for bits in [0_u32, 1, 2, 0x7F_FFFF, 0x80_0000, 0x3F80_0000, 0x3F80_0001, 0x4B7F_FFFF, 0x7F7F_FFFE] {
             // The exact middle between this one and the next.
             let middle = f64::midpoint(f32::from_bits(bits).into(), f32::from_bits(bits + 1).into());
-            let text = std::format!("{middle:.160}");
+            let text = format!("{middle:.160}");
             check(&text);
-            check(&std::format!("{text}{}1", "0".repeat(100)));
+            check(&format!("{text}{}1", "0".repeat(100)));
             let below = text.trim_end_matches('0');
             let last = below.chars().last().unwrap();
             if last != '.' {
                 let last = char::from(u8::try_from(last).unwrap() - 1);
-                check(&std::format!("{}{last}{}", &below[..below.len() - 1], "9".repeat(120)));
+                check(&format!("{}{last}{}", &below[..below.len() - 1], "9".repeat(120)));
             }
         }
     }
@@ -178,19 +177,17 @@ mod tests {
     proptest! {
         #[test]
         fn any_number(whole in "[0-9]{0,60}", fraction in "[0-9]{0,180}", exponent in -330..330_i32) {
-            let text = std::format!("0{whole}.{fraction}");
+            let text = format!("0{whole}.{fraction}");
             check(&text);
-            check(&std::format!("{text}e{exponent}"));
+            check(&format!("{text}e{exponent}"));
         }
 
         #[test]
         fn any_float(bits in 0..0x7F80_0000_u32) {
             let value = f32::from_bits(bits);
-            check(&value.to_string());
-            check(&std::format!("{value:e}"));
-            check(&std::format!("{value:.2}"));
-            let exact: String = std::format!("{value:.149}");
-            check(&exact);
+            for text in [format!("{value}"), format!("{value:e}"), format!("{value:.2}"), format!("{value:.149}")] {
+                check(&text);
+            }
         }
     }
 }

@@ -115,7 +115,6 @@ impl Digits<'_> {
 #[cfg(test)]
 mod tests {
     use super::{DECIMALS_MAX, write_fixed, write_float};
-    use std::string::String;
 
     fn text(bits: u32) -> String {
         let mut text = String::new();
@@ -127,19 +126,19 @@ mod tests {
     fn percent_g(value: f32) -> String {
         if !value.is_finite() || value == 0.0 {
             let sign = if value.is_sign_negative() { "-" } else { "" };
-            return std::format!("{sign}{}", value.abs()).to_lowercase();
+            return format!("{sign}{}", value.abs()).to_lowercase();
         }
-        let scientific = std::format!("{value:.5e}");
+        let scientific = format!("{value:.5e}");
         let (digits, exponent) = scientific.split_once('e').unwrap();
         let exponent: i32 = exponent.parse().unwrap();
         let trim = |text: &str| String::from(text.trim_end_matches('0').trim_end_matches('.'));
         if (-4..6).contains(&exponent) {
             let decimals = usize::try_from(5 - exponent).unwrap();
-            let fixed = std::format!("{value:.decimals$}");
+            let fixed = format!("{value:.decimals$}");
             if decimals == 0 { fixed } else { trim(&fixed) }
         } else {
             let sign = if exponent < 0 { '-' } else { '+' };
-            std::format!("{}e{sign}{:02}", trim(digits), exponent.abs())
+            format!("{}e{sign}{:02}", trim(digits), exponent.abs())
         }
     }
 
@@ -181,7 +180,7 @@ mod tests {
             for decimals in 0..=DECIMALS_MAX {
                 let mut text = String::new();
                 write_fixed(value.to_bits(), decimals, &mut |byte| text.push(char::from(byte)));
-                assert_eq!(text, std::format!("{value:.*}", usize::from(decimals)), "{:#010x}", value.to_bits());
+                assert_eq!(text, format!("{value:.*}", usize::from(decimals)), "{:#010x}", value.to_bits());
             }
         }
     }

@@ -247,14 +247,12 @@ mod tests {
         }
         it.started(&Decision::Cancel);
         assert!(!it.is_active());
-        it.started(&Decision::Home);
-        it.started(&Decision::Cancel);
-        it.reported(&report(1));
-        assert_eq!(it.ended(&report(0)), Some(None));
-        it.started(&Decision::Home);
-        it.started(&Decision::Cancel);
-        it.reported(&report(0));
-        assert_eq!(it.ended(&report(0)), None);
+        for (reported, end) in [(1, Some(None)), (0, None)] {
+            it.started(&Decision::Home);
+            it.started(&Decision::Cancel);
+            it.reported(&report(reported));
+            assert_eq!(it.ended(&report(0)), end);
+        }
     }
 
     #[test]

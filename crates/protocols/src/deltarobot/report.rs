@@ -151,6 +151,7 @@ fn rating(payload: &[u8], stat_first: bool) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::{Layout, Position, Report, SeenLayout, State};
+    use proptest::{prelude::Rng, test_runner::TestRunner};
 
     const REPORT: Report = Report::new(Position([0x3F80_0000, 0x7F80_0001, 0xC060_0000]), 0b0001_0110);
     const FIRMWARE: [u8; 16] = [0, 0, 0x80, 0x3F, 1, 0, 0x80, 0x7F, 0, 0, 0x60, 0xC0, 0xF6, 0xDE, 0xAD, 0xBE];
@@ -229,19 +230,13 @@ mod tests {
 
     #[test]
     fn reports_of_13_bytes_are_read_as_they_were_meant() {
-        let mut state = 0x2545_F491_4F6C_DD1D_u64;
-        let mut random = move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            u32::try_from(state >> 32).unwrap()
-        };
+        let mut random = TestRunner::deterministic().new_rng();
         for (name, position, least_alone, least_in_session) in KINDS {
             for (stat_first, reserved) in [(true, 0), (true, 0xE0), (false, 0), (false, 0xE0)] {
                 let (mut alone, mut in_session, mut seen) = (0, 0, SeenLayout::default());
                 // All states and end stops.
                 for stat in (0..32).cycle().take(16_000) {
-                    let report = Report::new(Position(position([(); 3].map(|()| random()))), stat);
+                    let report = Report::new(Position(position(random.random())), stat);
                     let (stat, floats) = ([stat | reserved], report.position.to_wire());
                     let payload =
                         if stat_first { [&stat[..], &floats].concat() } else { [&floats[..], &stat].concat() };

@@ -93,7 +93,6 @@ fn write_text(text: &str, put: &mut dyn FnMut(u8)) {
 #[cfg(test)]
 mod tests {
     use super::{Opcode, TEXT_MAX, describe};
-    use std::string::String;
 
     fn text(opcode: u8, payload: &[u8]) -> String {
         let mut text = String::new();

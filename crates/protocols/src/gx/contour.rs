@@ -85,7 +85,6 @@ mod tests {
     use super::super::{CommandReceiver, ENCODED_MAX, Kind, POSITION_MAX, POSITION_MIN};
     use super::*;
     use proptest::prelude::*;
-    use std::vec::Vec;
 
     /// Positions near the one before, and anywhere; -1, -64 and the like often.
     fn path() -> impl Strategy<Value = Vec<[(bool, i32); AXES]>> {

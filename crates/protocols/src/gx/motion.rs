@@ -341,7 +341,6 @@ impl<const QUEUE: usize> Default for Motion<QUEUE> {
 pub(super) mod tests {
     use super::Motion;
     use crate::gx::{ENCODED_MAX, Fault};
-    use std::vec::Vec;
 
     /// What it sends when it has received this.
     pub(in crate::gx) fn says<const QUEUE: usize>(motion: &mut Motion<QUEUE>, received: &[u8], now: u32) -> Vec<u8> {
@@ -351,12 +350,10 @@ pub(super) mod tests {
             while motion.poll(now).is_some() {}
         }
         let (mut frame, mut said) = ([0; ENCODED_MAX], Vec::new());
-        loop {
-            match motion.output(&mut frame, now) {
-                0 => return said,
-                length => said.extend(&frame[..length]),
-            }
+        while let length @ 1.. = motion.output(&mut frame, now) {
+            said.extend(&frame[..length]);
         }
+        said
     }
 
     /// A host that began a new session while the machine still carried out moves of its last session, or of nobody's.

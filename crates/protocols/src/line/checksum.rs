@@ -21,8 +21,6 @@ pub fn fletcher16_more(sum: u16, bytes: &[u8]) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::{EMPTY_SUM, fletcher16, fletcher16_more};
-    use std::vec;
-    use std::vec::Vec;
 
     /// As the page words it: folded after each addition.
     fn plain(bytes: &[u8]) -> u16 {

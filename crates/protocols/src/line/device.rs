@@ -264,7 +264,6 @@ pub fn is_setup(message: &Message) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::string::String;
 
     type Link = DeviceLink<4, 96>;
 
@@ -318,8 +317,8 @@ mod tests {
     fn the_counter_never_goes_back() {
         let mut device = Link::new();
         for (t, answer) in [(0, 1), (1, 2), (0, 3), (100, 101), (50, 102), (228, 229), (101, 230), (0, 1), (255, 2)] {
-            let line = std::format!("c=x&t={t}\n");
-            assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&std::format!("t={answer}\n")), "{t}");
+            let line = format!("c=x&t={t}\n");
+            assert!(answers(&mut device, line.as_bytes(), t * 10_000).ends_with(&format!("t={answer}\n")), "{t}");
         }
     }
 
@@ -329,11 +328,10 @@ mod tests {
         device.set_up(Setup::new(true, true, 1));
         let asked = b"c=linksetup&ack=off&checksum=none&t=0&id=9o5qzg\n";
         let refused = "c=onerror&code=checksum&t=";
-        assert!(answers(&mut device, asked, 0).starts_with(refused));
-        assert!(answers(&mut device, b"c=setswitch&t=0\n", 0).starts_with(refused));
-        assert!(answers(&mut device, asked, 0).starts_with(refused));
-        assert!(answers(&mut device, b"c=linksetup&ack=off&checksum=none&t=1&id=9o5qzg\n", 0).starts_with(refused));
-        assert!(answers(&mut device, asked, 0).starts_with(refused));
+        let (command, other) = (b"c=setswitch&t=0\n", b"c=linksetup&ack=off&checksum=none&t=1&id=9o5qzg\n");
+        for line in [&asked[..], command, asked, other, asked] {
+            assert!(answers(&mut device, line, 0).starts_with(refused));
+        }
         assert_eq!(answers(&mut device, asked, 0), "c=linksetup_resp&ack=off&checksum=none&id=9o5qzg&t=5\n");
         assert_eq!(device.setup(), Setup::new(false, false, 1));
     }

@@ -250,9 +250,6 @@ impl<const LINE: usize, const WINDOW: usize, const DEVICES: usize> Host<LINE, WI
 mod tests {
     use super::{COMMAND_MAX, Settings};
     use proptest::prelude::*;
-    use std::format;
-    use std::string::String;
-    use std::vec::Vec;
 
     type Host = super::Host<256, 9, 16>;
 
@@ -277,8 +274,7 @@ mod tests {
         for piece in pieces {
             let mut rest = *piece;
             loop {
-                let taken = host.receive(rest, 0);
-                rest = &rest[taken..];
+                rest = &rest[host.receive(rest, 0)..];
                 while let Some(event) = host.poll(0) {
                     told.push(format!("{event:?}"));
                 }

@@ -108,13 +108,13 @@ mod tests {
         let edges = (0..20).flat_map(|exponent| [-1, 0, 1].map(|by| 10_i128.pow(exponent) + by));
         let near = (0..12).flat_map(|by| [min - by, min + by, max - by, max + by, min / 10 - by, max / 10 + by]);
         for number in edges.clone().chain(edges.map(|edge| -edge)).chain(near).chain([min * 10, max * 10]) {
-            for text in [std::format!("{number}"), std::format!("  {number} "), std::format!("{number:030}")] {
+            for text in [format!("{number}"), format!("  {number} "), format!("{number:030}")] {
                 assert_eq!(read(&text), T::try_from(number).map_err(|_| NumberError::Range), "{text}");
             }
             if let Ok(fits) = T::try_from(number) {
                 let mut room = [0; 32];
                 let length = Encoder::begin(&mut room, b"x").int(b"v", fits).finish(false).unwrap();
-                assert_eq!(room[..length], *std::format!("c=x&v={fits}\n").as_bytes());
+                assert_eq!(room[..length], *format!("c=x&v={fits}\n").as_bytes());
             }
         }
         for (raw, number) in [("+5", 5), ("%2B5", 5), ("%2D5+", -5), ("+-1", -1), ("-0", 0), ("%31", 1)] {

@@ -204,7 +204,6 @@ pub(super) const fn without_end(line: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::{Checksum, Malformed, Message, Value, fletcher16};
-    use std::vec::Vec;
 
     fn parse(line: &[u8]) -> Message<'_> {
         Message::parse(line).unwrap_or_else(|error| panic!("{error:?}: {line:?}"))
@@ -214,8 +213,7 @@ mod tests {
     fn names_repeat() {
         let line = b"c=go&x=10&y=10&z=10&a=50&b=50&c=50&spd=100&eas=1&t=0&id=IqlZci";
         let message = parse(line);
-        assert_eq!(message.count, 11);
-        assert_eq!(message.command().raw(), b"go");
+        assert_eq!((message.count, message.command().raw()), (11, &b"go"[..]));
         let c = [0, 1, 2].map(|occurrence| message.params().value(b"c", occurrence).map(Value::raw));
         assert_eq!(c, [Some(&b"go"[..]), Some(b"50"), None]);
         assert_eq!(message.params().find_named(b"id", 0), message.params().nth(10));
@@ -223,7 +221,7 @@ mod tests {
 
     #[test]
     fn odd_lines_that_are_read() {
-        for (line, expected) in [
+        for (line, params) in [
             ("c", &[("c", "")][..]),
             ("c=", &[("c", "")]),
             ("c&x", &[("c", ""), ("x", "")]),
@@ -236,11 +234,7 @@ mod tests {
             let message = parse(line.as_bytes());
             let text = |bytes| str::from_utf8(bytes).unwrap();
             let pairs: Vec<_> = message.params().map(|param| (text(param.name), text(param.value.raw()))).collect();
-            assert_eq!(
-                (&pairs[..], message.count, message.checksum),
-                (expected, pairs.len(), Checksum::None),
-                "{line}"
-            );
+            assert_eq!((&pairs[..], message.count, message.checksum), (params, params.len(), Checksum::None), "{line}");
         }
         for end in [&b"\n"[..], b"\r\n"] {
             assert_eq!(parse(&[b"c=x&y=%0a", end].concat()).line, b"c=x&y=%0a");
@@ -262,28 +256,25 @@ mod tests {
 
     #[test]
     fn checksums() {
-        for (line, checksum, sum) in [
-            ("c=setswitch&state=1&t=11&id=9o5qzg", Checksum::None, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d6", Checksum::Right, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=A3d6\r\n", Checksum::Right, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d7", Checksum::Wrong, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=a3d", Checksum::Wrong, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=0a3d6", Checksum::Wrong, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=%613d6", Checksum::Wrong, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s=", Checksum::Wrong, 0xa3d6),
-            ("c=setswitch&state=1&t=11&id=9o5qzg&s", Checksum::Wrong, 0xa3d6),
-        ] {
+        let check = |line: &str, checksum, sum| {
             let message = parse(line.as_bytes());
             assert_eq!((message.checksum, message.sum), (checksum, sum), "{line}");
+        };
+        for (checksum, ends) in [
+            (Checksum::None, &[""][..]),
+            (Checksum::Right, &["&s=a3d6", "&s=A3d6\r\n"]),
+            (Checksum::Wrong, &["&s=a3d7", "&s=a3d", "&s=0a3d6", "&s=%613d6", "&s=", "&s"]),
+        ] {
+            for end in ends {
+                check(&format!("c=setswitch&state=1&t=11&id=9o5qzg{end}"), checksum, 0xa3d6);
+            }
         }
         let sum = fletcher16(b"c=x");
-        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &std::format!("c=x&s={sum:04x}&t=1")] {
-            let message = parse(line.as_bytes());
-            assert_eq!((message.checksum, message.sum), (Checksum::Wrong, sum), "{line}");
+        for line in ["c=x&s=abcd&t=1", "c=x&s=abcd&", "c=x&s=abcd&s=", &format!("c=x&s={sum:04x}&t=1")] {
+            check(line, Checksum::Wrong, sum);
         }
         for line in ["c=x&S=abcd", "c=x&ss=abcd", "c=s&x", "c=x", "c=x&s&y=1", &"c=x&".repeat(5000)] {
-            let message = parse(line.as_bytes());
-            assert_eq!((message.checksum, message.sum), (Checksum::None, fletcher16(line.as_bytes())), "{line}");
+            check(line, Checksum::None, fletcher16(line.as_bytes()));
         }
     }
 }

@@ -156,7 +156,6 @@ pub(super) const fn digit(byte: u8) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::{NumberError, Value};
-    use std::vec::Vec;
 
     fn value(raw: &str) -> Value<'_> {
         Value::new(raw.as_bytes())

@@ -217,6 +217,7 @@ mod tests {
 
     const TARGET: Position = Position([0x3F80_0000, 0x4000_0000, 0xC060_0000]);
     const ELSEWHERE: Position = Position([0x4000_0000; 3]);
+    const IDLE: u8 = 0;
     const MOVING: u8 = 2;
 
     type Session = Host<{ receiver_room(16) }>;
@@ -239,36 +240,24 @@ mod tests {
         host
     }
 
-    fn report(position: Position, stat: u8) -> Message {
-        Message::StatusReport(Report::new(position, stat))
-    }
-
-    const fn ended(outcome: Outcome) -> Event {
-        Event::Ended(Opcode::MOVE, outcome)
-    }
-
     #[test]
-    fn an_operation_ends_once() {
-        let mut host = moving();
-        assert_eq!(event(&mut host, report(ELSEWHERE, MOVING), 2), None);
-        assert_eq!(event(&mut host, report(TARGET, 0), 3), Some(ended(Outcome::Finished)));
-        assert_eq!(event(&mut host, Message::MoveFinished, 4), None);
-        assert_eq!(event(&mut host, report(TARGET, 0), 5), None);
-    }
-
-    #[test]
-    fn idle_right_behind_the_ack_ends_nothing() {
-        let mut host = moving();
-        assert_eq!(event(&mut host, report(TARGET, 0), 500), None);
-        assert_eq!(event(&mut host, report(TARGET, 0), 501), Some(ended(Outcome::Finished)));
-    }
-
-    #[test]
-    fn standing_elsewhere_is_a_failure() {
-        for position in [ELSEWHERE, Position::UNKNOWN] {
+    fn a_move_ends_once_and_by_where_the_platform_stands() {
+        let ended = |outcome| Some(Event::Ended(Opcode::MOVE, outcome));
+        for reports in [
+            [(ELSEWHERE, MOVING, 2, None), (TARGET, IDLE, 3, ended(Outcome::Finished))],
+            [(ELSEWHERE, MOVING, 2, None), (ELSEWHERE, IDLE, 3, ended(Outcome::Failed))],
+            [(ELSEWHERE, MOVING, 2, None), (Position::UNKNOWN, IDLE, 3, ended(Outcome::Failed))],
+            // Idle right behind the ACK ends nothing.
+            [(TARGET, IDLE, 500, None), (TARGET, IDLE, 501, ended(Outcome::Finished))],
+        ] {
             let mut host = moving();
-            assert_eq!(event(&mut host, report(ELSEWHERE, MOVING), 2), None);
-            assert_eq!(event(&mut host, report(position, 0), 3), Some(ended(Outcome::Failed)));
+            for (position, stat, now, end) in reports {
+                let report = Message::StatusReport(Report::new(position, stat));
+                assert_eq!(event(&mut host, report, now), end, "{reports:?}");
+            }
+            for message in [Message::MoveFinished, Message::StatusReport(Report::new(TARGET, IDLE))] {
+                assert_eq!(event(&mut host, message, 600), None);
+            }
         }
     }
 }

@@ -1,7 +1,5 @@
 //! What the receiver finds, beside the grammar applied to the whole stream.
 
-use std::vec::Vec;
-
 use proptest::prelude::*;
 use zerocopy::FromBytes;
 
@@ -71,19 +69,41 @@ impl<const ROOM: usize> Run<ROOM> {
     }
 }
 
+/// A way to give the receiver the first of these bytes; returns how many it took.
+type Way<const ROOM: usize> = fn(&mut Run<ROOM>, &[u8]) -> usize;
+
 fn check<const ROOM: usize>(stream: &[u8], chunks: &[usize]) {
     let expected = naive(stream, Receiver::<ROOM>::LONGEST, true);
     let until_now = |upto: usize| naive(&stream[..upto], Receiver::<ROOM>::LONGEST, false).0.len();
-    let mut chunks = chunks.iter().copied().cycle();
 
-    let mut run = Run::<ROOM>::default();
-    for (place, byte) in stream.iter().enumerate() {
-        if run.receiver.byte(*byte).unwrap() {
+    let byte: Way<ROOM> = |run, bytes| {
+        if run.receiver.byte(bytes[0]).unwrap() {
             run.fetch();
         }
-        assert_eq!(run.messages.len(), until_now(place + 1), "byte {place}");
+        1
+    };
+    let next_of: Way<ROOM> = |run, mut bytes| {
+        let length = bytes.len();
+        while let Ok(frame) = run.receiver.next_of_observed(&mut bytes, &mut run.losses) {
+            run.messages.push((frame.opcode.0, frame.payload.to_vec()));
+        }
+        assert!(bytes.is_empty());
+        length
+    };
+    let take: Way<ROOM> = |run, bytes| {
+        let taken = run.receiver.take(bytes);
+        run.fetch();
+        taken
+    };
+    for (name, way) in [("byte", byte), ("next_of", next_of), ("take", take)] {
+        let (mut run, mut rest, mut sizes) = (Run::default(), stream, chunks.iter().cycle());
+        while !rest.is_empty() {
+            let size = rest.len().min(*sizes.next().unwrap());
+            rest = &rest[way(&mut run, &rest[..size])..];
+            assert_eq!(run.messages.len(), until_now(stream.len() - rest.len()), "{name}");
+        }
+        run.finds(&expected, name);
     }
-    run.finds(&expected, "byte by byte");
 
     let mut run = Run::<ROOM>::default();
     for byte in stream {
@@ -93,29 +113,6 @@ fn check<const ROOM: usize>(stream: &[u8], chunks: &[usize]) {
         }
     }
     run.finds(&expected, "late, when there is no room any more");
-
-    let mut run = Run::<ROOM>::default();
-    let mut rest = stream;
-    while !rest.is_empty() {
-        let (mut now, later) = rest.split_at(chunks.next().unwrap().clamp(1, rest.len()));
-        rest = later;
-        while let Ok(frame) = run.receiver.next_of_observed(&mut now, &mut run.losses) {
-            run.messages.push((frame.opcode.0, frame.payload.to_vec()));
-        }
-        assert!(now.is_empty());
-        assert_eq!(run.messages.len(), until_now(stream.len() - rest.len()), "in chunks");
-    }
-    run.finds(&expected, "in chunks");
-
-    let mut run = Run::<ROOM>::default();
-    let mut rest = stream;
-    while !rest.is_empty() {
-        let size = chunks.next().unwrap().clamp(1, rest.len());
-        rest = &rest[run.receiver.take(&rest[..size])..];
-        run.fetch();
-        assert_eq!(run.messages.len(), until_now(stream.len() - rest.len()), "taken");
-    }
-    run.finds(&expected, "taken");
 }
 
 /// Frames, beginnings of frames, and noise.
@@ -169,9 +166,8 @@ proptest! {
     }
 
     #[test]
-    fn any_contents_are_safe(contents in prop::collection::vec(any::<u8>(), 18), small: bool, stream in stream()) {
+    fn any_contents_are_safe(mut contents in prop::collection::vec(any::<u8>(), 18), small: bool, stream in stream()) {
         type Small = Receiver<{ receiver_room(2) }>;
-        let mut contents = contents;
         if small {
             // Fields that may be in range.
             contents[..6].iter_mut().enumerate().for_each(|(place, byte)| *byte = if place % 2 == 0 { *byte % 20 } else { 0 });
@@ -182,8 +178,7 @@ proptest! {
             match way {
                 0 => while receiver.next_of(&mut input).is_ok() {},
                 1 => {
-                    let taken = receiver.take(input);
-                    assert!(taken <= input.len());
+                    assert!(receiver.take(input) <= input.len());
                     while receiver.next().is_ok() {}
                 }
                 _ => for byte in input {

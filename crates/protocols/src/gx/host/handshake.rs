@@ -112,7 +112,6 @@ mod tests {
     use crate::gx::host::{Event, Host, Outcome, Settings};
     use crate::gx::motion::{Motion, tests::says};
     use crate::gx::{CommandReceiver, ENCODED_MAX, Vector, write_completed};
-    use std::vec::Vec;
 
     /// How a move ends whose commands are answered like this, so many milliseconds late; and whether it was sent.
     fn end_of_a_move(
@@ -160,8 +159,7 @@ mod tests {
                 assert_eq!(end, (Some(Outcome::TimedOut), false), "{latency} ms");
             }
         }
-        let end = end_of_a_move(0, true, |_, _| b"=x1\n".to_vec());
-        assert_eq!(end, (Some(Outcome::TimedOut), false));
+        assert_eq!(end_of_a_move(0, true, |_, _| b"=x1\n".to_vec()), (Some(Outcome::TimedOut), false));
     }
 
     #[test]

@@ -63,8 +63,7 @@ fn choice(value: Value<'_>, on: &[u8], off: &[u8], was: u8) -> u8 {
 mod tests {
     use super::{Message, Setup};
 
-    fn changed(setup: Setup, line: &[u8]) -> Setup {
-        let mut setup = setup;
+    fn changed(mut setup: Setup, line: &[u8]) -> Setup {
         setup.change(&Message::parse(line).unwrap(), 8);
         setup
     }

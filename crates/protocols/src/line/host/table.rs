@@ -140,8 +140,6 @@ fn before_zero(text: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::{Device, Listed, Message, TYPE_MAX};
-    use std::format;
-    use std::string::String;
     use zerocopy::FromZeros;
 
     const DEVICES: usize = 16;
@@ -153,14 +151,12 @@ mod tests {
         (devices.listed(&message), restarted)
     }
 
-    fn text(bytes: &[u8]) -> String {
-        let length = bytes.iter().position(|byte| *byte == 0).unwrap();
-        assert!(bytes[length..].iter().all(|byte| *byte == 0));
-        String::from_utf8(bytes[..length].to_vec()).unwrap()
-    }
-
-    fn texts(device: &Device) -> [String; 4] {
-        [text(&device.id), text(&device.r#type), text(&device.name), text(&device.version)]
+    fn texts(device: &Device) -> [&str; 4] {
+        [&device.id[..], &device.r#type, &device.name, &device.version].map(|bytes| {
+            let (text, zeros) = bytes.split_at(bytes.iter().position(|byte| *byte == 0).unwrap());
+            assert!(zeros.iter().all(|byte| *byte == 0));
+            str::from_utf8(text).unwrap()
+        })
     }
 
     #[test]
@@ -196,7 +192,7 @@ mod tests {
         let mut devices = Devices::new_zeroed();
         let long = "x".repeat(TYPE_MAX + 1);
         assert_eq!(welcome(&mut devices, &format!("c=welcome&id=a&type={long}")), (Listed::Cut(0), false));
-        assert_eq!(texts(&devices.all()[0])[1], long[1..]);
+        assert_eq!(texts(&devices.all()[0])[1], &long[1..]);
         assert_eq!(devices.all()[0].cut, 1);
         assert_eq!(welcome(&mut devices, "c=welcome&id=b&name=x%00y"), (Listed::Cut(1), false));
         assert_eq!(texts(&devices.all()[1])[2], "x");
