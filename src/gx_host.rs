@@ -304,13 +304,12 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
-    // SAFETY: host is NULL or valid.
-    let Some(host) = (unsafe { Room::get(host) }).filter(|_| !event.is_null()) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(host), Some(event)) = (unsafe { (Room::get(host), event.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let happened = host.poll(time(now_ms));
-    // SAFETY: event is not NULL, and does not overlap with host.
-    unsafe { write_event(event, happened.as_ref()) };
+    write_event(event, happened.as_ref());
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
 
@@ -402,11 +401,7 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
 }
 
 /// Makes an event C's.
-///
-/// # Safety
-///
-/// to points to writable memory of its type.
-unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
+fn write_event(to: &mut HostEvent, happened: Option<&Event<'_>>) {
     let (mut outcome, mut code, mut number) = (0, 0, None);
     let kind = match happened {
         None => 0,
@@ -415,8 +410,7 @@ unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
             GX_HOST_ENDED
         }
         Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
-            // SAFETY: the same contract.
-            unsafe { (*to).position.core_mut().copy(position) };
+            to.position.core_mut().copy(position);
             match event {
                 Event::Report(_) => GX_HOST_REPORT,
                 Event::Drift(_) => GX_HOST_DRIFT,
@@ -437,11 +431,8 @@ unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
             GX_HOST_UNANSWERED
         }
     };
-    // SAFETY: the same contract.
-    unsafe {
-        (*to).kind = kind;
-        (*to).outcome = outcome;
-        (*to).code = code.into();
-        (*to).number = number.map_or(-1, |number| int(number.into()));
-    }
+    to.kind = kind;
+    to.outcome = outcome;
+    to.code = code.into();
+    to.number = number.map_or(-1, |number| int(number.into()));
 }

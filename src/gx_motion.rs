@@ -188,22 +188,18 @@ pub unsafe extern "C" fn gx_motion_receive(
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int {
-    // SAFETY: motion is NULL or valid.
-    let Some(motion) = (unsafe { Room::get(motion) }).filter(|_| !event.is_null()) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(motion), Some(event)) = (unsafe { (Room::get(motion), event.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let Some(happened) = motion.poll(time(now_ms)) else {
-        // SAFETY: event is not NULL.
-        unsafe { (*event).kind = 0 };
+        event.kind = 0;
         return GX_RC_NO_EVENT;
     };
-    // SAFETY: event is not NULL, and does not overlap with motion.
-    unsafe {
-        (*event).kind = happened.kind as c_int;
-        (*event).number = number_of(happened.number);
-        (*event).code = happened.code.into();
-        (*event).period = int(happened.period.into());
-    }
+    event.kind = happened.kind as c_int;
+    event.number = number_of(happened.number);
+    event.code = happened.code.into();
+    event.period = int(happened.period.into());
     GX_RC_SUCCESS
 }
 

@@ -248,7 +248,7 @@ pub unsafe extern "C" fn dp_host_receive(host: *mut Host, buf: *const c_void, by
     // SAFETY: NULL or the caller's, the session whole and so many bytes readable; they don't overlap.
     match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
         (Some(session), Some(input)) => int(session.receive(input, time(now_ms))),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -288,11 +288,11 @@ pub unsafe extern "C" fn dp_host_poll(host: *mut Host, now_ms: c_ulong, event: *
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: NULL or the caller's whole object.
-    let Some(session) = (unsafe { Host::get(host) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
-    // SAFETY: NULL or so many writable bytes of the caller's, apart from the session.
-    unsafe { fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))) }
-        .unwrap_or(DP_RC_ERROR_GENERIC.wrapping_neg())
+    // SAFETY: each is NULL or the caller's, the session whole and so many bytes writable; they don't overlap.
+    let written = unsafe {
+        Host::get(host).and_then(|session| fill(buf, cap, |frame, room| session.output(frame, room, time(now_ms))))
+    };
+    written.unwrap_or(-DP_RC_ERROR_GENERIC)
 }
 
 /// Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes

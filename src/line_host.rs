@@ -145,7 +145,7 @@ pub unsafe extern "C" fn olp_host_setup(
     let (Some(host), Some(id), true) =
         (unsafe { Host::get(host) }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
     else {
-        return OLP_RC_ERROR_GENERIC.wrapping_neg();
+        return -OLP_RC_ERROR_GENERIC;
     };
     let given = |value: c_int| (value >= 0).then_some(value > 0);
     handle(host.setup(id, given(ack), given(checksum), window))
@@ -176,7 +176,7 @@ pub unsafe extern "C" fn olp_host_send(
     // SAFETY: as the contract of this function asks.
     match unsafe { (Host::get(host), bytes_of(command.cast(), length), text_of(id)) } {
         (Some(host), Some(command), Some(id)) => handle(host.send(command, id)),
-        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -OLP_RC_ERROR_GENERIC,
     }
 }
 
@@ -194,7 +194,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
     // SAFETY: as the contract of this function asks.
     match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
-        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -OLP_RC_ERROR_GENERIC,
     }
 }
 
@@ -242,7 +242,7 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
     // SAFETY: as the contract of this function asks.
     let written =
         unsafe { Host::get(host).and_then(|host| fill(buf, cap, |line, room| host.output(line, room, time(now_ms)))) };
-    written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
+    written.unwrap_or(-OLP_RC_ERROR_GENERIC)
 }
 
 /// Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
@@ -323,8 +323,8 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Hea
 fn handle(queued: Result<u16, QueueError>) -> c_int {
     match queued {
         Ok(handle) => handle.cast_signed().into(),
-        Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
-        Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
-        Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),
+        Err(QueueError::Busy) => -OLP_RC_BUSY,
+        Err(QueueError::Malformed) => -OLP_RC_MALFORMED,
+        Err(QueueError::TooLong) => -OLP_RC_TOO_LONG,
     }
 }

@@ -41,7 +41,7 @@ pub unsafe extern "C" fn dp_process_each(
 ) -> c_int {
     // SAFETY: as the rules at the head ask.
     let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
-        return DP_RC_ERROR_GENERIC.wrapping_neg();
+        return -DP_RC_ERROR_GENERIC;
     };
     let mut rest = input;
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn dp_process_each(
             return bytes;
         }
         // SAFETY: as above; the reference ends before the next call of on_msg.
-        let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
+        let Some(ring) = (unsafe { ring_of(data) }) else { return -DP_RC_ERROR_GENERIC };
         let (now, later) = rest.split_at_checked(ring.room()).unwrap_or((rest, &[]));
         // Can't overflow: there is room for them.
         let _ = ring.append(now);

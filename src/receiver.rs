@@ -72,10 +72,10 @@ pub unsafe extern "C" fn dp_receiver_init(receiver: *mut Receiver) -> c_int {
 #[export(dp)]
 pub unsafe extern "C" fn dp_receiver_byte(receiver: *mut Receiver, byte: c_uchar) -> c_int {
     // SAFETY: NULL, or as the rules at the head ask.
-    let Some(receiver) = (unsafe { Receiver::get(receiver) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
+    let Some(receiver) = (unsafe { Receiver::get(receiver) }) else { return -DP_RC_ERROR_GENERIC };
     match receiver.byte(byte) {
         Ok(is_due) => c_int::from(is_due),
-        Err(_) => const { DP_RC_OVERFLOW.wrapping_neg() },
+        Err(_) => -DP_RC_OVERFLOW,
     }
 }
 
@@ -167,14 +167,14 @@ pub unsafe extern "C" fn dp_receiver_each(
 ) -> c_int {
     // SAFETY: as the rules at the head ask.
     let (Some(on_msg), Some(input)) = (on_msg, unsafe { bytes_of(buf, bytes) }) else {
-        return DP_RC_ERROR_GENERIC.wrapping_neg();
+        return -DP_RC_ERROR_GENERIC;
     };
     let mut rest = input;
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
         // SAFETY: NULL, or as the rules at the head ask; the reference ends before on_msg is called.
         let Some(receiver) = (unsafe { Receiver::get(receiver) }) else {
-            return DP_RC_ERROR_GENERIC.wrapping_neg();
+            return -DP_RC_ERROR_GENERIC;
         };
         // SAFETY: msg is ours.
         if unsafe { hand_over(receiver.next_of(&mut rest), msg.as_mut_ptr()) } != DP_RC_SUCCESS {

@@ -127,7 +127,7 @@ pub unsafe extern "C" fn dp_serial_read(
     // SAFETY: serial is NULL or whole, and buf NULL or writable for cap bytes.
     match unsafe { (opened(serial), room_of(buf, cap)) } {
         (Some(port), Some(out)) => count(port.run(|handle| system::read(handle, out, timeout_ms))),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn dp_serial_write(
     // SAFETY: serial is NULL or whole, and buf NULL or readable for that many bytes.
     match unsafe { (opened(serial), bytes_of(buf, bytes)) } {
         (Some(port), Some(input)) => count(port.run(|handle| system::write(handle, input, timeout_ms))),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -287,5 +287,5 @@ fn code(result: Result<(), Failed>) -> c_int {
 }
 
 fn count(result: Result<usize, Failed>) -> c_int {
-    result.map_or(DP_RC_DEVICE.wrapping_neg(), int)
+    result.map_or(-DP_RC_DEVICE, int)
 }

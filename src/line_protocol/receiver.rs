@@ -56,7 +56,7 @@ pub unsafe extern "C" fn olp_receive(
     let (Some(receiver), Some(bytes), Some(line)) =
         (unsafe { (Receiver::get(receiver), bytes_of(buf, bytes), line.as_mut()) })
     else {
-        return OLP_RC_ERROR_GENERIC.wrapping_neg();
+        return -OLP_RC_ERROR_GENERIC;
     };
     receiver.release();
     let taken = receiver.take(bytes);

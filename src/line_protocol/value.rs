@@ -160,7 +160,7 @@ unsafe fn store<T>(number: Result<Result<T, NumberError>, c_int>, out: *mut T) -
 
 /// Writes a decoded value and a zero byte.
 fn decode(value: Result<Value<'_>, c_int>, room: Option<&mut [MaybeUninit<u8>]>) -> c_int {
-    let Some(room) = room else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
+    let Some(room) = room else { return -OLP_RC_ERROR_GENERIC };
     let value = match value {
         Ok(value) => value,
         Err(code) => return code.wrapping_neg(),
@@ -175,7 +175,7 @@ fn decode(value: Result<Value<'_>, c_int>, room: Option<&mut [MaybeUninit<u8>]>)
     if let Some(behind) = room.get_mut(if fits { length } else { 0 }) {
         behind.write(0);
     }
-    if fits { int(length) } else { OLP_RC_TOO_LONG.wrapping_neg() }
+    if fits { int(length) } else { -OLP_RC_TOO_LONG }
 }
 
 fn is(value: Result<Value<'_>, c_int>, text: Option<&[u8]>) -> c_int {
