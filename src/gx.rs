@@ -152,13 +152,13 @@ pub struct Item {
     pub vector: Vector,
 }
 
-const RECEIVER_WORDS: usize = 48 / size_of::<c_ulong>();
+const GX_RECEIVER_WORDS: usize = 48 / size_of::<c_ulong>();
 
 /// Receives commands: the motion side's. All zero is a new one. Its contents are private.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Commands {
-    opaque: [c_ulong; RECEIVER_WORDS],
+    opaque: [c_ulong; GX_RECEIVER_WORDS],
 }
 state!(Commands: CommandReceiver);
 
@@ -166,7 +166,7 @@ state!(Commands: CommandReceiver);
 #[repr(C)]
 #[derive(Debug)]
 pub struct Notices {
-    opaque: [c_ulong; RECEIVER_WORDS],
+    opaque: [c_ulong; GX_RECEIVER_WORDS],
 }
 state!(Notices: NoticeReceiver);
 

@@ -105,7 +105,7 @@ pub struct HostEvent {
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Settings {
+pub struct HostSettings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: c_ulong,
     /// When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000.
@@ -132,7 +132,7 @@ pub struct Settings {
 /// Counters of a host session since it began; they wrap.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Health {
+pub struct HostHealth {
     /// Moves sent, each counted once.
     pub moves: c_ulong,
     /// Moves sent again.
@@ -156,13 +156,13 @@ pub struct Health {
 }
 
 /// A move takes 32 bytes at most; the rest is some 220.
-const HOST_WORDS: usize = (272 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
+const GX_HOST_WORDS: usize = (272 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
 
 /// A host session. All zero is a new session with default settings. Its contents are private.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Host {
-    opaque: [c_ulong; HOST_WORDS],
+    opaque: [c_ulong; GX_HOST_WORDS],
 }
 state!(Host: host::Host<GX_WINDOW_MAX>);
 
@@ -175,13 +175,13 @@ state!(Host: host::Host<GX_WINDOW_MAX>);
 /// gx_host_init(&host, &settings);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     if let Some(settings) = settings {
-        let Settings {
+        let HostSettings {
             answer_ms,
             probe_ms,
             move_ms,
@@ -368,7 +368,7 @@ pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
 ///     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;

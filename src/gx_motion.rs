@@ -80,7 +80,7 @@ pub struct MotionEvent {
 /// Settings of a motion side. 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Settings {
+pub struct MotionSettings {
     /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000.
     pub gap_ms: c_ulong,
     /// The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
@@ -97,7 +97,7 @@ pub struct Settings {
 /// Counters of a motion side since it began; they wrap.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Health {
+pub struct MotionHealth {
     /// Moves queued.
     pub moves: c_ulong,
     /// Moves that were queued before and came again: not carried out twice.
@@ -112,13 +112,13 @@ pub struct Health {
 
 /// Structs have no padding on AVR, where a queued move takes 30 bytes, and RAM is too scarce for room to spare.
 const MOTION_BYTES: usize = if align_of::<i32>() == 1 { 175 + 30 * GX_QUEUE_MAX } else { 192 + 32 * GX_QUEUE_MAX };
-const MOTION_WORDS: usize = MOTION_BYTES / size_of::<c_ulong>();
+const GX_MOTION_WORDS: usize = MOTION_BYTES / size_of::<c_ulong>();
 
 /// A motion side. All zero is a new one with default settings. Its contents are private.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Motion {
-    opaque: [c_ulong; MOTION_WORDS],
+    opaque: [c_ulong; GX_MOTION_WORDS],
 }
 state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
@@ -131,12 +131,12 @@ state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 /// gx_motion_init(&motion, &settings);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const MotionSettings) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(motion), settings) = (unsafe { (Room::init(motion), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(&Settings { gap_ms, host_ms, axes, only_in_order }) = settings {
+    if let Some(&MotionSettings { gap_ms, host_ms, axes, only_in_order }) = settings {
         motion.set(motion::Settings {
             gap_ms: duration(gap_ms),
             host_ms: duration(host_ms),
@@ -348,7 +348,7 @@ pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
 ///     printf("%lu moves, %lu refused\n", health.moves, health.refused);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut MotionHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;

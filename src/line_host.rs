@@ -65,7 +65,7 @@ use zerocopy::{transmute_mut, transmute_ref};
 
 pub mod types;
 
-pub use types::{Device, Health, LineHostEvent, Link, Settings};
+pub use types::{HostDevice, HostEvent, HostHealth, HostLink, HostSettings};
 use types::{copy_text, link_of, write_event};
 
 /// Longest id that a device in the table may have.
@@ -98,13 +98,13 @@ state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, { OLP_WINDOW_MAX + 1 }, OLP_DEVICE
 /// olp_host_init(&host, &settings);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), settings) = (unsafe { (Host::init(host), settings.as_ref()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
     if let Some(settings) = settings {
-        let Settings { timeout_ms, answer_ms, repeat_ms, repeats, recognises, baud, receive_room } = *settings;
+        let HostSettings { timeout_ms, answer_ms, repeat_ms, repeats, recognises, baud, receive_room } = *settings;
         host.set(host::Settings {
             timeout_ms: duration(timeout_ms),
             answer_ms: duration(answer_ms),
@@ -211,7 +211,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 ///     handle_event(&event);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
+pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(event)) = (unsafe { (Host::get(host), event.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -268,7 +268,7 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 ///     puts("lines have checksums");
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
+pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut HostLink) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(link)) = (unsafe { (Host::peek(host), link.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -286,7 +286,7 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
 ///     printf("%s: %s\n", device.id, device.type);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
+pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut HostDevice) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(device)) = (unsafe { (Host::peek(host), device.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -311,7 +311,7 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
 ///     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
