@@ -25,15 +25,8 @@
 //! }
 //! ```
 //!
-//! handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
-//!
-//! ```c
-//! struct olp_host_device device;
-//! if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
-//!     olp_host_setup(&host, device.id, 1, 1, -1);
-//!
-//! int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
-//! ```
+//! handle_event() calls olp_host_setup at the first OLP_HOST_WELCOME, and olp_host_send when that setup has ended as
+//! OLP_HOST_ANSWERED.
 //!
 //! What holds for the outcome of a command, if the device recognises repeats and the settings say so:
 //!
@@ -130,7 +123,9 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const HostSet
 /// session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
 ///
 /// ```c
-/// olp_host_setup(&host, "sf6z34", 1, 1, -1);
+/// struct olp_host_device device;
+/// if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+///     olp_host_setup(&host, device.id, 1, 1, -1);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_setup(

@@ -1,10 +1,5 @@
-//! What `serial.h` opens: 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at any speed.
-//!
-//! Opening waits for no carrier and keeps other programs away. No call waits longer than its timeout. A device that
-//! has disappeared is an error at the next use.
-//!
-//! The only part of the library that calls the operating system. `system` is that system: its functions made safe,
-//! with errors as `Cause`s.
+//! What `serial.h` opens, the only part of the library that calls the operating system. `system` is that system: its
+//! functions made safe, with errors as `Cause`s.
 
 #[cfg_attr(windows, path = "port/windows.rs")]
 #[cfg_attr(unix, path = "port/unix.rs")]

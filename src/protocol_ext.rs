@@ -3,7 +3,7 @@
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
-use super::memory::{bytes_of, int};
+use super::memory::{bytes_of, int, zero};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
 
@@ -93,9 +93,11 @@ pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut Protoco
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_init(data: *mut ProtocolData) -> c_int {
-    // SAFETY: NULL, or memory as the rules at the head ask.
-    let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC };
-    ring.clear();
+    if data.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: not NULL, so memory as the rules at the head ask.
+    unsafe { zero(data) };
     DP_RC_SUCCESS
 }
 

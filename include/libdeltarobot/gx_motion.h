@@ -24,11 +24,10 @@
  *     uart_write(&uart, out, length);
  * ```
  *
- * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
- * proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
- * begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
- * only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
- * of one, which is carried out; the host finds that afterwards.
+ * From power-up on, moves are taken as the proposal has it, with any number or none, until a host begins a session,
+ * which makes up for what the line loses, delays or splits: see gx_motion_receive. Set only_in_order where only such
+ * hosts drive the machine. Commands have no checksum: a flipped bit can make another move of one, which is carried out;
+ * the host finds that afterwards.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_motion.rs by `make header`.

@@ -27,15 +27,8 @@
  * }
  * ```
  *
- * handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
- *
- * ```c
- * struct olp_host_device device;
- * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
- *     olp_host_setup(&host, device.id, 1, 1, -1);
- *
- * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
- * ```
+ * handle_event() calls olp_host_setup at the first OLP_HOST_WELCOME, and olp_host_send when that setup has ended as
+ * OLP_HOST_ANSWERED.
  *
  * What holds for the outcome of a command, if the device recognises repeats and the settings say so:
  *
@@ -256,7 +249,9 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
  * ```c
- * olp_host_setup(&host, "sf6z34", 1, 1, -1);
+ * struct olp_host_device device;
+ * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+ *     olp_host_setup(&host, device.id, 1, 1, -1);
  * ```
  */
 int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)

@@ -49,9 +49,8 @@ struct dp_receiver {
 };
 
 /**
- * Makes an empty receiver of any memory. The same as setting it to zero, and never needed for the library's safety.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
+ * Makes an empty receiver of any memory, as setting it to zero does; the library's safety never needs that. Returns
+ * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
  *
  * ```c
  * struct dp_receiver receiver;
@@ -94,9 +93,7 @@ int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  * Fetches the next message when the line has been quiet for longer than a frame takes, as `dp_recv_idle` does: what is
  * incomplete is given up, and what stands behind it delivered.
  *
- * Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the receiver is empty now,
- * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
- * `opcode` is set to 0xFF and the rest of msg is left as it was.
+ * Returns what `dp_recv_idle` does.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)
@@ -108,13 +105,9 @@ int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
 
 /**
  * Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
- * in buf are not copied into the receiver.
+ * in buf are not copied into the receiver. buf's bytes stay as they are until the call returns.
  *
- * buf's bytes stay as they are until the call returns.
- *
- * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it by a result that is not 0. Nothing
- * is lost then: give the rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC`
- * when receiver or `on_msg` is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Returns what `dp_process_each` does, receiver in place of data.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
