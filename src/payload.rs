@@ -3,7 +3,7 @@
 use core::ffi::{c_char, c_int, c_uchar};
 use core::mem::align_of;
 
-use super::memory::{bytes_of, int, room_of};
+use super::memory::{bytes_of, int};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
@@ -251,24 +251,24 @@ pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int {
-    // SAFETY: buf is NULL or the caller's, so many bytes apart from the message.
-    let (Some(room), false) = (unsafe { room_of(buf.cast(), cap) }, msg.is_null()) else {
-        return -DP_RC_ERROR_GENERIC;
+    let room = match usize::try_from(cap) {
+        Ok(cap) if !msg.is_null() && (cap == 0 || !buf.is_null()) => cap,
+        _ => return -DP_RC_ERROR_GENERIC,
     };
     let mut length = 0_usize;
-    // One place is kept for the zero byte.
     let mut put = |byte: u8| {
-        if let Some([place, _, ..]) = room.get_mut(length..) {
-            place.write(byte);
+        if length.wrapping_add(1) < room {
+            // SAFETY: below the capacity, so in the caller's buffer.
+            unsafe { buf.add(length).cast::<u8>().write(byte) };
         }
         length = length.wrapping_add(1);
     };
     // SAFETY: msg is not NULL, so a whole message, which nobody writes meanwhile.
     let (opcode, payload) = unsafe { (Opcode((*msg).opcode), payload_of(msg)) };
     describe(opcode, payload.unwrap_or_default(), &mut put);
-    let last = room.len().wrapping_sub(1);
-    if let Some(end) = room.get_mut(length.min(last)) {
-        end.write(0);
+    if let Some(last) = room.checked_sub(1) {
+        // SAFETY: below the capacity, so in the caller's buffer.
+        unsafe { buf.add(length.min(last)).write(0) };
     }
     int(length)
 }
