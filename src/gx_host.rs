@@ -40,12 +40,13 @@
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, control_of, fill};
-use super::memory::{bytes_of, duration, int, long, short, time};
+use super::memory::{bytes_of, copy_counters, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
 use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 /// Event: the oldest move has ended as outcome says: once for each move, in the order of the requests.
 pub const GX_HOST_ENDED: c_int = 1;
@@ -130,7 +131,7 @@ pub struct HostSettings {
 }
 
 /// Counters of a host session since it began; they wrap.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct HostHealth {
     /// Moves sent, each counted once.
@@ -370,20 +371,10 @@ pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
-    let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
+    let (Some(host), Some(health)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let health = host.health();
-    to.moves = health.moves.into();
-    to.repeats = health.repeats.into();
-    to.completions = health.completions.into();
-    to.errors = health.errors.into();
-    to.strays = health.strays.into();
-    to.reports = health.reports.into();
-    to.malformed = health.malformed.into();
-    to.timeouts = health.timeouts.into();
-    to.sessions = health.sessions.into();
-    to.deviations = health.deviations.into();
+    copy_counters::<10>(transmute_ref!(host.health()), transmute_mut!(health));
     GX_RC_SUCCESS
 }
 

@@ -28,7 +28,7 @@
 use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
 use core::mem::MaybeUninit;
 
-use super::memory::{bytes_of, duration, fill, int, long, short, time};
+use super::memory::{bytes_of, copy_counters, duration, fill, int, long, short, time};
 use super::payload::{position_from, report_to};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
 use super::state::{Room, state};
@@ -36,6 +36,7 @@ use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
 use deltarobot_protocols::deltarobot::host::{Busy, Event, Host as Session, Settings};
 use deltarobot_protocols::deltarobot::{Opcode, POSITION_SIZE, Report, receiver_room};
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 /// A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
 pub const DP_RC_BUSY: c_int = 5;
@@ -79,7 +80,7 @@ pub struct HostSettings {
 }
 
 /// Statistics of a session since it began. Counters wrap at 2^32.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct HostHealth {
     /// Intact frames received.
@@ -367,26 +368,11 @@ pub unsafe extern "C" fn dp_host_busy(host: *const Host) -> c_int {
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
-    // SAFETY: NULL or the caller's whole object.
-    let (Some(session), false) = (unsafe { Host::peek(host) }, health.is_null()) else { return DP_RC_ERROR_GENERIC };
-    let counted = session.health();
-    let times = counted.round_trips;
-    let copied = HostHealth {
-        frames: counted.frames.into(),
-        malformed: counted.malformed.into(),
-        strays: counted.strays.into(),
-        garbage_bytes: counted.garbage_bytes.into(),
-        checksum_failures: counted.checksum_failures.into(),
-        timeouts: counted.timeouts.into(),
-        retransmissions: counted.retransmissions.into(),
-        rtt_count: times.count.into(),
-        rtt_last: times.last.into(),
-        rtt_min: times.min.into(),
-        rtt_max: times.max.into(),
-        rtt_sum: times.sum.into(),
+    // SAFETY: both are NULL or the caller's whole objects, and don't overlap.
+    let (Some(session), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
+        return DP_RC_ERROR_GENERIC;
     };
-    // SAFETY: not NULL, so the caller's whole object.
-    unsafe { health.write(copied) };
+    copy_counters::<12>(transmute_ref!(session.health()), transmute_mut!(health));
     DP_RC_SUCCESS
 }
 
