@@ -147,13 +147,15 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Mo
     GX_RC_SUCCESS
 }
 
-/// Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
-/// begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
-/// (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
-/// taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
-/// (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
-/// numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
-/// (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+/// Takes received bytes; `now_ms` is when they came.
+///
+/// Moves are queued whatever number they have or none, until a host begins a session: by two numbered requests for
+/// position reports in a row, the second number 5461 behind the first (modulo 16384), which is answered by both
+/// numbers. From there on each move has to carry the next number: what was taken before is not carried out twice, and
+/// what comes out of order (`GX_FAULT_ORDER`) or without a number (`GX_FAULT_NUMBERLESS`) is refused; ends are reported
+/// with a check of where the move led (`GX_CONFIRMED`). One more numbered request begins a new session. Behind
+/// `gx_motion_stop`, moves are refused until one begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come
+/// again.
 ///
 /// Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
 /// then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.

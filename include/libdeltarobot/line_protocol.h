@@ -131,7 +131,7 @@ struct olp_param {
  * olp_receiver_init(&receiver);
  * ```
  */
-int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
+int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED(olp_receiver_init);
 
 /**
  * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
@@ -145,7 +145,7 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_ini
  * ```
  */
 int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
-    OLP_SIZED("olp_receive");
+    OLP_SIZED(olp_receive);
 
 /**
  * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there

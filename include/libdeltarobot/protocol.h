@@ -170,7 +170,7 @@ struct protocol_msg_position {
  *     ++losses;
  * ```
  */
-int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_process");
+int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED(dp_process);
 
 /**
  * Takes the next message out of the ring.
@@ -188,7 +188,7 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_pr
  *     handle(&msg);
  * ```
  */
-int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv");
+int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_recv);
 
 /**
  * Sends a message, whose opcode is not checked: calls sendfunc once, with the whole frame and usr.
@@ -202,7 +202,7 @@ int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_r
  * dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED("dp_send");
+int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED(dp_send);
 
 #ifdef __cplusplus
 }

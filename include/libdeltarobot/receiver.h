@@ -57,7 +57,7 @@ struct dp_receiver {
  * dp_receiver_init(&receiver);
  * ```
  */
-int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED("dp_receiver_init");
+int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED(dp_receiver_init);
 
 /**
  * Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt;
@@ -72,7 +72,7 @@ int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED("dp_receiver_init");
  *     fetch = 1;
  * ```
  */
-int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED("dp_receiver_byte");
+int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(dp_receiver_byte);
 
 /**
  * Fetches the next message: to be called until it does not return `DP_RC_SUCCESS`.
@@ -87,7 +87,7 @@ int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(
  *     handle(&msg);
  * ```
  */
-int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED("dp_receiver_next");
+int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_next);
 
 /**
  * Fetches the next message when the line has been quiet for longer than a frame takes, as `dp_recv_idle` does: what is
@@ -101,7 +101,7 @@ int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  *         handle(&msg);
  * ```
  */
-int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED("dp_receiver_idle");
+int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_idle);
 
 /**
  * Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
@@ -115,7 +115,7 @@ int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  * ```
  */
 int dp_receiver_each(struct dp_receiver *receiver, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
-    DP_SIZED("dp_receiver_each");
+    DP_SIZED(dp_receiver_each);
 
 #ifdef __cplusplus
 }
