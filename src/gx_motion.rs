@@ -30,13 +30,12 @@
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
-use super::memory::{bytes_of, copy_counters, duration, int, long, time};
+use super::memory::{bytes_of, duration, int, long, time};
 use super::state::{Room, state};
 use crate::sizes::GX_QUEUE_MAX;
 use deltarobot_export::export;
 use deltarobot_protocols::gx::motion::{self, EventKind};
 use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Numbered};
-use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
 pub const GX_MOTION_QUEUED: c_int = 1;
@@ -95,7 +94,7 @@ pub struct MotionSettings {
 }
 
 /// Counters of a motion side since it began; they wrap.
-#[derive(Debug, FromBytes, IntoBytes)]
+#[derive(Debug)]
 #[repr(C)]
 pub struct MotionHealth {
     /// Moves queued.
@@ -352,10 +351,15 @@ pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut MotionHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
-    let (Some(motion), Some(health)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
+    let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    copy_counters::<5>(transmute_ref!(motion.health()), transmute_mut!(health));
+    let health = motion.health();
+    to.moves = health.moves.into();
+    to.repeats = health.repeats.into();
+    to.refused = health.refused.into();
+    to.malformed = health.malformed.into();
+    to.reports = health.reports.into();
     GX_RC_SUCCESS
 }
 
