@@ -148,7 +148,7 @@ pub unsafe extern "C" fn dp_controller_receive(controller: *mut Controller, buf:
     // SAFETY: NULL or the caller's, the controller whole and so many bytes readable; they don't overlap.
     match unsafe { (Controller::get(controller), bytes_of(buf, bytes)) } {
         (Some(state), Some(input)) => int(state.controller.receive(input)),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 

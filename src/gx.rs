@@ -152,13 +152,13 @@ pub struct Item {
     pub vector: Vector,
 }
 
-const RECEIVER_WORDS: usize = 48 / size_of::<c_ulong>();
+const GX_RECEIVER_WORDS: usize = 48 / size_of::<c_ulong>();
 
 /// Receives commands: the motion side's. All zero is a new one. Its contents are private.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Commands {
-    opaque: [c_ulong; RECEIVER_WORDS],
+    opaque: [c_ulong; GX_RECEIVER_WORDS],
 }
 state!(Commands: CommandReceiver);
 
@@ -166,7 +166,7 @@ state!(Commands: CommandReceiver);
 #[repr(C)]
 #[derive(Debug)]
 pub struct Notices {
-    opaque: [c_ulong; RECEIVER_WORDS],
+    opaque: [c_ulong; GX_RECEIVER_WORDS],
 }
 state!(Notices: NoticeReceiver);
 
@@ -314,8 +314,7 @@ pub unsafe extern "C" fn gx_commands_idle(commands: *mut Commands, item: *mut It
     GX_RC_SUCCESS
 }
 
-/// Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
-/// `GX_RC_ERROR_GENERIC` when notices is NULL.
+/// Makes a receiver of notices of any memory, as `gx_commands_init` makes one of commands.
 ///
 /// ```c
 /// struct gx_notices notices;
@@ -329,9 +328,7 @@ pub unsafe extern "C" fn gx_notices_init(notices: *mut Notices) -> c_int {
 
 /// Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`. A packed number is a
 /// whole notice, but may begin an error notice too: it is reported when the next byte has come, or by
-/// `gx_notices_idle`.
-///
-/// Returns what `gx_commands_receive` does.
+/// `gx_notices_idle`. Returns what `gx_commands_receive` does.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);

@@ -40,12 +40,13 @@
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, control_of, fill};
-use super::memory::{bytes_of, duration, int, long, short, time};
+use super::memory::{bytes_of, copy_counters, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
 use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 /// Event: the oldest move has ended as outcome says: once for each move, in the order of the requests.
 pub const GX_HOST_ENDED: c_int = 1;
@@ -105,7 +106,7 @@ pub struct HostEvent {
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Settings {
+pub struct HostSettings {
     /// How long an answer may take to come; by default 250. What asks for one is not sent again sooner.
     pub answer_ms: c_ulong,
     /// When no move ends for this long, the newest one is sent again, as something may be lost; by default 1000.
@@ -130,9 +131,9 @@ pub struct Settings {
 }
 
 /// Counters of a host session since it began; they wrap.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
-pub struct Health {
+pub struct HostHealth {
     /// Moves sent, each counted once.
     pub moves: c_ulong,
     /// Moves sent again.
@@ -156,13 +157,13 @@ pub struct Health {
 }
 
 /// A move takes 32 bytes at most; the rest is some 220.
-const HOST_WORDS: usize = (272 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
+const GX_HOST_WORDS: usize = (272 + 32 * GX_WINDOW_MAX) / size_of::<c_ulong>();
 
 /// A host session. All zero is a new session with default settings. Its contents are private.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Host {
-    opaque: [c_ulong; HOST_WORDS],
+    opaque: [c_ulong; GX_HOST_WORDS],
 }
 state!(Host: host::Host<GX_WINDOW_MAX>);
 
@@ -175,13 +176,13 @@ state!(Host: host::Host<GX_WINDOW_MAX>);
 /// gx_host_init(&host, &settings);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn gx_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(host), settings) = (unsafe { (Room::init(host), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     if let Some(settings) = settings {
-        let Settings {
+        let HostSettings {
             answer_ms,
             probe_ms,
             move_ms,
@@ -304,13 +305,12 @@ pub unsafe extern "C" fn gx_host_receive(host: *mut Host, buf: *const c_void, by
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
-    // SAFETY: host is NULL or valid.
-    let Some(host) = (unsafe { Room::get(host) }).filter(|_| !event.is_null()) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(host), Some(event)) = (unsafe { (Room::get(host), event.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let happened = host.poll(time(now_ms));
-    // SAFETY: event is not NULL, and does not overlap with host.
-    unsafe { write_event(event, happened.as_ref()) };
+    write_event(event, happened.as_ref());
     if happened.is_some() { GX_RC_SUCCESS } else { GX_RC_NO_EVENT }
 }
 
@@ -369,22 +369,12 @@ pub unsafe extern "C" fn gx_host_unfinished(host: *const Host) -> c_int {
 ///     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn gx_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
-    let (Some(host), Some(to)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
+    let (Some(host), Some(health)) = (unsafe { (Room::peek(host), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let health = host.health();
-    to.moves = health.moves.into();
-    to.repeats = health.repeats.into();
-    to.completions = health.completions.into();
-    to.errors = health.errors.into();
-    to.strays = health.strays.into();
-    to.reports = health.reports.into();
-    to.malformed = health.malformed.into();
-    to.timeouts = health.timeouts.into();
-    to.sessions = health.sessions.into();
-    to.deviations = health.deviations.into();
+    copy_counters::<10>(transmute_ref!(host.health()), transmute_mut!(health));
     GX_RC_SUCCESS
 }
 
@@ -402,11 +392,7 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
 }
 
 /// Makes an event C's.
-///
-/// # Safety
-///
-/// to points to writable memory of its type.
-unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
+fn write_event(to: &mut HostEvent, happened: Option<&Event<'_>>) {
     let (mut outcome, mut code, mut number) = (0, 0, None);
     let kind = match happened {
         None => 0,
@@ -415,8 +401,7 @@ unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
             GX_HOST_ENDED
         }
         Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
-            // SAFETY: the same contract.
-            unsafe { (*to).position.core_mut().copy(position) };
+            to.position.core_mut().copy(position);
             match event {
                 Event::Report(_) => GX_HOST_REPORT,
                 Event::Drift(_) => GX_HOST_DRIFT,
@@ -437,11 +422,8 @@ unsafe fn write_event(to: *mut HostEvent, happened: Option<&Event<'_>>) {
             GX_HOST_UNANSWERED
         }
     };
-    // SAFETY: the same contract.
-    unsafe {
-        (*to).kind = kind;
-        (*to).outcome = outcome;
-        (*to).code = code.into();
-        (*to).number = number.map_or(-1, |number| int(number.into()));
-    }
+    to.kind = kind;
+    to.outcome = outcome;
+    to.code = code.into();
+    to.number = number.map_or(-1, |number| int(number.into()));
 }

@@ -22,11 +22,10 @@
 //!     uart_write(&uart, out, length);
 //! ```
 //!
-//! From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
-//! proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
-//! begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
-//! only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
-//! of one, which is carried out; the host finds that afterwards.
+//! From power-up on, moves are taken as the proposal has it, with any number or none, until a host begins a session,
+//! which makes up for what the line loses, delays or splits: see gx_motion_receive. Set only_in_order where only such
+//! hosts drive the machine. Commands have no checksum: a flipped bit can make another move of one, which is carried out;
+//! the host finds that afterwards.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
@@ -80,7 +79,7 @@ pub struct MotionEvent {
 /// Settings of a motion side. 0 stands for the default everywhere.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Settings {
+pub struct MotionSettings {
     /// Milliseconds of silence after which an incomplete command is given up, with an error notice; by default 1000.
     pub gap_ms: c_ulong,
     /// The machine is to stop (`GX_MOTION_STOP`) when nothing has come for this many milliseconds while there are moves
@@ -97,7 +96,7 @@ pub struct Settings {
 /// Counters of a motion side since it began; they wrap.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Health {
+pub struct MotionHealth {
     /// Moves queued.
     pub moves: c_ulong,
     /// Moves that were queued before and came again: not carried out twice.
@@ -112,13 +111,13 @@ pub struct Health {
 
 /// Structs have no padding on AVR, where a queued move takes 30 bytes, and RAM is too scarce for room to spare.
 const MOTION_BYTES: usize = if align_of::<i32>() == 1 { 175 + 30 * GX_QUEUE_MAX } else { 192 + 32 * GX_QUEUE_MAX };
-const MOTION_WORDS: usize = MOTION_BYTES / size_of::<c_ulong>();
+const GX_MOTION_WORDS: usize = MOTION_BYTES / size_of::<c_ulong>();
 
 /// A motion side. All zero is a new one with default settings. Its contents are private.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Motion {
-    opaque: [c_ulong; MOTION_WORDS],
+    opaque: [c_ulong; GX_MOTION_WORDS],
 }
 state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 
@@ -131,12 +130,12 @@ state!(Motion: motion::Motion<GX_QUEUE_MAX>);
 /// gx_motion_init(&motion, &settings);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const MotionSettings) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(motion), settings) = (unsafe { (Room::init(motion), settings.as_ref()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    if let Some(&Settings { gap_ms, host_ms, axes, only_in_order }) = settings {
+    if let Some(&MotionSettings { gap_ms, host_ms, axes, only_in_order }) = settings {
         motion.set(motion::Settings {
             gap_ms: duration(gap_ms),
             host_ms: duration(host_ms),
@@ -147,13 +146,15 @@ pub unsafe extern "C" fn gx_motion_init(motion: *mut Motion, settings: *const Se
     GX_RC_SUCCESS
 }
 
-/// Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
-/// begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
-/// (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
-/// taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
-/// (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
-/// numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
-/// (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+/// Takes received bytes; `now_ms` is when they came.
+///
+/// Moves are queued whatever number they have or none, until a host begins a session: by two numbered requests for
+/// position reports in a row, the second number 5461 behind the first (modulo 16384), which is answered by both
+/// numbers. From there on each move has to carry the next number: what was taken before is not carried out twice, and
+/// what comes out of order (`GX_FAULT_ORDER`) or without a number (`GX_FAULT_NUMBERLESS`) is refused; ends are reported
+/// with a check of where the move led (`GX_CONFIRMED`). One more numbered request begins a new session. Behind
+/// `gx_motion_stop`, moves are refused until one begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come
+/// again.
 ///
 /// Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
 /// then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -188,22 +189,18 @@ pub unsafe extern "C" fn gx_motion_receive(
 /// ```
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_poll(motion: *mut Motion, now_ms: c_ulong, event: *mut MotionEvent) -> c_int {
-    // SAFETY: motion is NULL or valid.
-    let Some(motion) = (unsafe { Room::get(motion) }).filter(|_| !event.is_null()) else {
+    // SAFETY: pointers are NULL or valid, and the objects do not overlap.
+    let (Some(motion), Some(event)) = (unsafe { (Room::get(motion), event.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
     let Some(happened) = motion.poll(time(now_ms)) else {
-        // SAFETY: event is not NULL.
-        unsafe { (*event).kind = 0 };
+        event.kind = 0;
         return GX_RC_NO_EVENT;
     };
-    // SAFETY: event is not NULL, and does not overlap with motion.
-    unsafe {
-        (*event).kind = happened.kind as c_int;
-        (*event).number = number_of(happened.number);
-        (*event).code = happened.code.into();
-        (*event).period = int(happened.period.into());
-    }
+    event.kind = happened.kind as c_int;
+    event.number = number_of(happened.number);
+    event.code = happened.code.into();
+    event.period = int(happened.period.into());
     GX_RC_SUCCESS
 }
 
@@ -352,7 +349,7 @@ pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
 ///     printf("%lu moves, %lu refused\n", health.moves, health.refused);
 /// ```
 #[export(gx)]
-pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut MotionHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
     let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;

@@ -42,7 +42,7 @@ layouts! {
         timeouts: c_ulong, retransmissions: c_ulong, rtt_count: c_ulong, rtt_last: c_ulong, rtt_min: c_ulong,
         rtt_max: c_ulong, rtt_sum: c_ulong,
     }
-    dp_host_event = host::event::HostEvent {
+    dp_host_event = host::HostEvent {
         kind: c_int, opcode: c_uchar, outcome: c_int, state: c_int, report: protocol::StatusReport,
         msg: protocol::ProtocolMsg,
     }
@@ -51,7 +51,7 @@ layouts! {
     }
 
     #[cfg(all(any(unix, windows), feature = "serial"))]
-    dp_serial_settings = super::serial::Settings { baud: c_ulong, dtr: c_int, rts: c_int, keep_lines: c_int }
+    dp_serial_settings = super::serial::SerialSettings { baud: c_ulong, dtr: c_int, rts: c_int, keep_lines: c_int }
     dp_robot_configuration = kinematics::RobotConfiguration {
         A1: [c_float; 3], A2: [c_float; 3], A3: [c_float; 3], d_B1B3: c_float, d_e: c_float,
     }
@@ -65,21 +65,21 @@ layouts! {
     olp_line = line_protocol::LineText { kind: c_int, text: *const c_char, length: c_int }
 
     olp_encoder = line_protocol::LineEncoder { buf: *const c_char, cap: c_int, length: c_int, error: c_int }
-    olp_host_settings = line_host::Settings {
+    olp_host_settings = line_host::HostSettings {
         timeout_ms: c_ulong, answer_ms: c_ulong, repeat_ms: c_ulong, repeats: c_int, recognises: c_int, baud: c_ulong,
         receive_room: c_int,
     }
-    olp_host_link = line_host::Link { ack: c_int, checksum: c_int, windowsize: c_uint }
-    olp_host_health = line_host::Health {
+    olp_host_link = line_host::HostLink { ack: c_int, checksum: c_int, windowsize: c_uint }
+    olp_host_health = line_host::HostHealth {
         lines: c_ulong, strays: c_ulong, malformed: c_ulong, overlong: c_ulong, lost: c_ulong, errors: c_ulong,
         restarts: c_ulong, overflows: c_ulong, timeouts: c_ulong, repeats: c_ulong, rtt_count: c_ulong,
         rtt_last: c_ulong, rtt_min: c_ulong, rtt_max: c_ulong, rtt_sum: c_ulong,
     }
-    olp_host_device = line_host::Device {
+    olp_host_device = line_host::HostDevice {
         id: [c_char; 16], r#type: [c_char; 48], name: [c_char; 32], version: [c_char; 16], pos: c_int, cut: c_int,
     }
-    olp_host_event = line_host::LineHostEvent {
-        kind: c_int, handle: c_int, outcome: c_int, device: c_int, error: c_int, lost: c_int, link: line_host::Link,
+    olp_host_event = line_host::HostEvent {
+        kind: c_int, handle: c_int, outcome: c_int, device: c_int, error: c_int, lost: c_int, link: line_host::HostLink,
         message: line_protocol::LineMessage,
     }
     olp_device_info = line_device::DeviceInfo {
@@ -100,21 +100,21 @@ layouts! {
     gx_item = gx::Item {
         kind: c_int, number: gx::Number, format: c_uchar, code: c_uchar, period: u16, vector: gx::Vector,
     }
-    gx_host_settings = gx_host::Settings {
+    gx_host_settings = gx_host::HostSettings {
         answer_ms: c_ulong, probe_ms: c_ulong, move_ms: c_ulong, gap_ms: c_ulong, attempts: c_int, window: c_int,
         ascii: c_int, first_number: c_int, absolute_every: c_int, echo: c_int,
     }
-    gx_host_health = gx_host::Health {
+    gx_host_health = gx_host::HostHealth {
         moves: c_ulong, repeats: c_ulong, completions: c_ulong, errors: c_ulong, strays: c_ulong, reports: c_ulong,
         malformed: c_ulong, timeouts: c_ulong, sessions: c_ulong, deviations: c_ulong,
     }
     gx_host_event = gx_host::HostEvent {
         kind: c_int, outcome: c_int, code: c_int, number: c_int, position: gx::Vector,
     }
-    gx_motion_settings = gx_motion::Settings {
+    gx_motion_settings = gx_motion::MotionSettings {
         gap_ms: c_ulong, host_ms: c_ulong, axes: c_int, only_in_order: c_int,
     }
-    gx_motion_health = gx_motion::Health {
+    gx_motion_health = gx_motion::MotionHealth {
         moves: c_ulong, repeats: c_ulong, refused: c_ulong, malformed: c_ulong, reports: c_ulong,
     }
     gx_motion_event = gx_motion::MotionEvent { kind: c_int, number: c_int, code: c_int, period: c_int }

@@ -25,15 +25,8 @@
 //! }
 //! ```
 //!
-//! handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
-//!
-//! ```c
-//! struct olp_host_device device;
-//! if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
-//!     olp_host_setup(&host, device.id, 1, 1, -1);
-//!
-//! int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
-//! ```
+//! handle_event() calls olp_host_setup at the first OLP_HOST_WELCOME, and olp_host_send when that setup has ended as
+//! OLP_HOST_ANSWERED.
 //!
 //! What holds for the outcome of a command, if the device recognises repeats and the settings say so:
 //!
@@ -65,7 +58,7 @@ use zerocopy::{transmute_mut, transmute_ref};
 
 pub mod types;
 
-pub use types::{Device, Health, LineHostEvent, Link, Settings};
+pub use types::{HostDevice, HostEvent, HostHealth, HostLink, HostSettings};
 use types::{copy_text, link_of, write_event};
 
 /// Longest id that a device in the table may have.
@@ -98,13 +91,13 @@ state!(Host: host::Host<{ OLP_LINE_MAX + 1 }, { OLP_WINDOW_MAX + 1 }, OLP_DEVICE
 /// olp_host_init(&host, &settings);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Settings) -> c_int {
+pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const HostSettings) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), settings) = (unsafe { (Host::init(host), settings.as_ref()) }) else {
         return OLP_RC_ERROR_GENERIC;
     };
     if let Some(settings) = settings {
-        let Settings { timeout_ms, answer_ms, repeat_ms, repeats, recognises, baud, receive_room } = *settings;
+        let HostSettings { timeout_ms, answer_ms, repeat_ms, repeats, recognises, baud, receive_room } = *settings;
         host.set(host::Settings {
             timeout_ms: duration(timeout_ms),
             answer_ms: duration(answer_ms),
@@ -130,7 +123,9 @@ pub unsafe extern "C" fn olp_host_init(host: *mut Host, settings: *const Setting
 /// session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
 ///
 /// ```c
-/// olp_host_setup(&host, "sf6z34", 1, 1, -1);
+/// struct olp_host_device device;
+/// if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+///     olp_host_setup(&host, device.id, 1, 1, -1);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_setup(
@@ -145,7 +140,7 @@ pub unsafe extern "C" fn olp_host_setup(
     let (Some(host), Some(id), true) =
         (unsafe { Host::get(host) }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
     else {
-        return OLP_RC_ERROR_GENERIC.wrapping_neg();
+        return -OLP_RC_ERROR_GENERIC;
     };
     let given = |value: c_int| (value >= 0).then_some(value > 0);
     handle(host.setup(id, given(ack), given(checksum), window))
@@ -176,7 +171,7 @@ pub unsafe extern "C" fn olp_host_send(
     // SAFETY: as the contract of this function asks.
     match unsafe { (Host::get(host), bytes_of(command.cast(), length), text_of(id)) } {
         (Some(host), Some(command), Some(id)) => handle(host.send(command, id)),
-        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -OLP_RC_ERROR_GENERIC,
     }
 }
 
@@ -194,7 +189,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
     // SAFETY: as the contract of this function asks.
     match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
-        _ => OLP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -OLP_RC_ERROR_GENERIC,
     }
 }
 
@@ -211,7 +206,7 @@ pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, b
 ///     handle_event(&event);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut LineHostEvent) -> c_int {
+pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: *mut HostEvent) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(event)) = (unsafe { (Host::get(host), event.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -242,7 +237,7 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
     // SAFETY: as the contract of this function asks.
     let written =
         unsafe { Host::get(host).and_then(|host| fill(buf, cap, |line, room| host.output(line, room, time(now_ms)))) };
-    written.unwrap_or(OLP_RC_ERROR_GENERIC.wrapping_neg())
+    written.unwrap_or(-OLP_RC_ERROR_GENERIC)
 }
 
 /// Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
@@ -268,7 +263,7 @@ pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulo
 ///     puts("lines have checksums");
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -> c_int {
+pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut HostLink) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(link)) = (unsafe { (Host::peek(host), link.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -286,7 +281,7 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut Link) -
 ///     printf("%s: %s\n", device.id, device.type);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut Device) -> c_int {
+pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, device: *mut HostDevice) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(device)) = (unsafe { (Host::peek(host), device.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -311,7 +306,7 @@ pub unsafe extern "C" fn olp_host_get_device(host: *const Host, index: c_int, de
 ///     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
 /// ```
 #[export(olp)]
-pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Health) -> c_int {
+pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut HostHealth) -> c_int {
     // SAFETY: Room's contract; the objects of one call don't overlap.
     let (Some(host), Some(health)) = (unsafe { (Host::peek(host), health.as_mut()) }) else {
         return OLP_RC_ERROR_GENERIC;
@@ -323,8 +318,8 @@ pub unsafe extern "C" fn olp_host_get_health(host: *const Host, health: *mut Hea
 fn handle(queued: Result<u16, QueueError>) -> c_int {
     match queued {
         Ok(handle) => handle.cast_signed().into(),
-        Err(QueueError::Busy) => OLP_RC_BUSY.wrapping_neg(),
-        Err(QueueError::Malformed) => OLP_RC_MALFORMED.wrapping_neg(),
-        Err(QueueError::TooLong) => OLP_RC_TOO_LONG.wrapping_neg(),
+        Err(QueueError::Busy) => -OLP_RC_BUSY,
+        Err(QueueError::Malformed) => -OLP_RC_MALFORMED,
+        Err(QueueError::TooLong) => -OLP_RC_TOO_LONG,
     }
 }

@@ -253,7 +253,7 @@ pub extern "C" fn dp_opcode_name(opcode: c_uchar) -> *const c_char {
 pub unsafe extern "C" fn dp_msg_format(msg: *const ProtocolMsg, buf: *mut c_char, cap: c_int) -> c_int {
     let room = match usize::try_from(cap) {
         Ok(cap) if !msg.is_null() && (cap == 0 || !buf.is_null()) => cap,
-        _ => return DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => return -DP_RC_ERROR_GENERIC,
     };
     let mut length = 0_usize;
     let mut put = |byte: u8| {

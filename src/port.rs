@@ -1,10 +1,5 @@
-//! What `serial.h` opens: 8 data bits, no parity, one stop bit, no flow control, bytes as they are, at any speed.
-//!
-//! Opening waits for no carrier and keeps other programs away. No call waits longer than its timeout. A device that
-//! has disappeared is an error at the next use.
-//!
-//! The only part of the library that calls the operating system. `system` is that system: its functions made safe,
-//! with errors as `Cause`s.
+//! What `serial.h` opens, the only part of the library that calls the operating system. `system` is that system: its
+//! functions made safe, with errors as `Cause`s.
 
 #[cfg_attr(windows, path = "port/windows.rs")]
 #[cfg_attr(unix, path = "port/unix.rs")]
@@ -12,7 +7,7 @@ pub(crate) mod system;
 
 use core::ffi::{CStr, c_int, c_long, c_ulong};
 
-use crate::serial::Settings;
+use crate::serial::SerialSettings;
 
 /// Bytes of an error's text, the terminating zero included.
 const TEXT_MAX: usize = 320;
@@ -49,7 +44,7 @@ pub(crate) enum Cause {
 
 impl Port {
     /// Opens and sets up a serial port or pseudo-terminal, unless that fails. What it received before is discarded.
-    pub(crate) fn open(&mut self, device: &CStr, settings: &Settings) -> Result<(), Failed> {
+    pub(crate) fn open(&mut self, device: &CStr, settings: &SerialSettings) -> Result<(), Failed> {
         self.has_failed = 0;
         let name = device.to_bytes();
         let mut text = Text { buffer: &mut self.text, length: 0 };
@@ -159,7 +154,7 @@ impl Text<'_> {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::{Failed, Port, Settings, TEXT_MAX, Text};
+    use super::{Failed, Port, SerialSettings, TEXT_MAX, Text};
     use core::ffi::CStr;
     use zerocopy::FromZeros;
 
@@ -188,7 +183,7 @@ mod tests {
             (c"/dev/null", c"/dev/null: not a serial port"),
             (c"/", c"/: not a serial port"),
         ] {
-            assert_eq!(port.open(device, &Settings { baud: 9600, ..Settings::default() }), Err(Failed));
+            assert_eq!(port.open(device, &SerialSettings { baud: 9600, ..SerialSettings::default() }), Err(Failed));
             assert_eq!((port.error(), port.handle()), (error, None));
         }
     }
@@ -201,7 +196,7 @@ mod tests {
             *end = *b"/tty\0";
         }
         let name = CStr::from_bytes_with_nul(&name).unwrap_or_default();
-        assert_eq!(port.open(name, &Settings { baud: 9600, ..Settings::default() }), Err(Failed));
+        assert_eq!(port.open(name, &SerialSettings { baud: 9600, ..SerialSettings::default() }), Err(Failed));
         let text = port.error().to_str().unwrap_or_default();
         assert!(text.starts_with("...xx") && text.ends_with("x/tty: File name too long"), "{text}");
     }

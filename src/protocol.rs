@@ -141,8 +141,7 @@ pub type SendFunc = Option<unsafe extern "C" fn(buf: *mut c_void, bytes: c_int, 
 /// Adds received bytes at the ring's end.
 ///
 /// When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
-/// Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
-/// own.
+/// Not for an interrupt that may come during another call on the ring: there, put bytes into a queue of your own.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
 /// negative, or buf is NULL and bytes is not 0.

@@ -3,7 +3,7 @@
 use core::ffi::{c_char, c_int, c_void};
 use core::mem::MaybeUninit;
 
-use super::memory::{bytes_of, int};
+use super::memory::{bytes_of, int, zero};
 use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, ProtocolData, ProtocolMsg, next_message, ring_of};
 use deltarobot_export::export;
 
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn dp_process_each(
 ) -> c_int {
     // SAFETY: as the rules at the head ask.
     let (Some(on_msg), Some(input), false) = (on_msg, unsafe { bytes_of(buf, bytes) }, data.is_null()) else {
-        return DP_RC_ERROR_GENERIC.wrapping_neg();
+        return -DP_RC_ERROR_GENERIC;
     };
     let mut rest = input;
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn dp_process_each(
             return bytes;
         }
         // SAFETY: as above; the reference ends before the next call of on_msg.
-        let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
+        let Some(ring) = (unsafe { ring_of(data) }) else { return -DP_RC_ERROR_GENERIC };
         let (now, later) = rest.split_at_checked(ring.room()).unwrap_or((rest, &[]));
         // Can't overflow: there is room for them.
         let _ = ring.append(now);
@@ -93,9 +93,11 @@ pub unsafe extern "C" fn dp_recv_idle(data: *mut ProtocolData, msg: *mut Protoco
 /// ```
 #[export(dp)]
 pub unsafe extern "C" fn dp_init(data: *mut ProtocolData) -> c_int {
-    // SAFETY: NULL, or memory as the rules at the head ask.
-    let Some(ring) = (unsafe { ring_of(data) }) else { return DP_RC_ERROR_GENERIC };
-    ring.clear();
+    if data.is_null() {
+        return DP_RC_ERROR_GENERIC;
+    }
+    // SAFETY: not NULL, so memory as the rules at the head ask.
+    unsafe { zero(data) };
     DP_RC_SUCCESS
 }
 

@@ -41,9 +41,8 @@ pub struct Receiver {
 
 state!(Receiver: State<{ receiver_room(DP_DATA_MAX_SIZE) }>);
 
-/// Makes an empty receiver of any memory. The same as setting it to zero, and never needed for the library's safety.
-///
-/// Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
+/// Makes an empty receiver of any memory, as setting it to zero does; the library's safety never needs that. Returns
+/// `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
 ///
 /// ```c
 /// struct dp_receiver receiver;
@@ -72,10 +71,10 @@ pub unsafe extern "C" fn dp_receiver_init(receiver: *mut Receiver) -> c_int {
 #[export(dp)]
 pub unsafe extern "C" fn dp_receiver_byte(receiver: *mut Receiver, byte: c_uchar) -> c_int {
     // SAFETY: NULL, or as the rules at the head ask.
-    let Some(receiver) = (unsafe { Receiver::get(receiver) }) else { return DP_RC_ERROR_GENERIC.wrapping_neg() };
+    let Some(receiver) = (unsafe { Receiver::get(receiver) }) else { return -DP_RC_ERROR_GENERIC };
     match receiver.byte(byte) {
         Ok(is_due) => c_int::from(is_due),
-        Err(_) => const { DP_RC_OVERFLOW.wrapping_neg() },
+        Err(_) => -DP_RC_OVERFLOW,
     }
 }
 
@@ -120,9 +119,7 @@ unsafe fn next(receiver: &mut State<{ receiver_room(DP_DATA_MAX_SIZE) }>, msg: *
 /// Fetches the next message when the line has been quiet for longer than a frame takes, as `dp_recv_idle` does: what is
 /// incomplete is given up, and what stands behind it delivered.
 ///
-/// Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the receiver is empty now,
-/// `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
-/// `opcode` is set to 0xFF and the rest of msg is left as it was.
+/// Returns what `dp_recv_idle` does.
 ///
 /// ```c
 /// if (now_ms() - heard_at >= 10)
@@ -145,13 +142,9 @@ pub unsafe extern "C" fn dp_receiver_idle(receiver: *mut Receiver, msg: *mut Pro
 }
 
 /// Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
-/// in buf are not copied into the receiver.
+/// in buf are not copied into the receiver. buf's bytes stay as they are until the call returns.
 ///
-/// buf's bytes stay as they are until the call returns.
-///
-/// Returns how many of the bytes were taken: all of them unless `on_msg` stopped it by a result that is not 0. Nothing
-/// is lost then: give the rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC`
-/// when receiver or `on_msg` is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+/// Returns what `dp_process_each` does, receiver in place of data.
 ///
 /// ```c
 /// int got = uart_read(&uart, in, sizeof in);
@@ -167,14 +160,14 @@ pub unsafe extern "C" fn dp_receiver_each(
 ) -> c_int {
     // SAFETY: as the rules at the head ask.
     let (Some(on_msg), Some(input)) = (on_msg, unsafe { bytes_of(buf, bytes) }) else {
-        return DP_RC_ERROR_GENERIC.wrapping_neg();
+        return -DP_RC_ERROR_GENERIC;
     };
     let mut rest = input;
     let mut msg = MaybeUninit::<ProtocolMsg>::uninit();
     loop {
         // SAFETY: NULL, or as the rules at the head ask; the reference ends before on_msg is called.
         let Some(receiver) = (unsafe { Receiver::get(receiver) }) else {
-            return DP_RC_ERROR_GENERIC.wrapping_neg();
+            return -DP_RC_ERROR_GENERIC;
         };
         // SAFETY: msg is ours.
         if unsafe { hand_over(receiver.next_of(&mut rest), msg.as_mut_ptr()) } != DP_RC_SUCCESS {

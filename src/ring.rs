@@ -5,7 +5,7 @@ use core::ffi::c_int;
 use deltarobot_protocols::bytes::{Wrapped, copy_into_ring, wrap};
 use deltarobot_protocols::deltarobot::{FRAME_HEAD, FRAME_OVERHEAD, Opcode, Verdict, judge_head, judge_tail};
 
-use crate::memory::{int, zero};
+use crate::memory::int;
 
 /// A ring buffer for bytes from the wire. Its fields are never trusted: when one is out of range, it counts as empty.
 #[derive(Clone, Debug)]
@@ -23,12 +23,6 @@ pub(crate) struct Ring<const SIZE: usize> {
 pub(crate) struct Overflow;
 
 impl<const SIZE: usize> Ring<SIZE> {
-    /// Makes it all zero, whatever it was.
-    pub(crate) fn clear(&mut self) {
-        // SAFETY: a reference; zero is a value of each field.
-        unsafe { zero(self) };
-    }
-
     /// Makes a ring whose fields are out of range an empty one.
     #[inline(always)]
     pub(crate) fn heal(&mut self) -> (usize, usize) {

@@ -46,7 +46,7 @@ state!(Serial: Port);
 /// How a port is opened and closed. All zero is what `dp_serial_open` does.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
-pub struct Settings {
+pub struct SerialSettings {
     /// Speed in baud, 0 for `DP_SERIAL_BAUD`.
     pub baud: c_ulong,
     /// DTR after opening: `DP_SERIAL_ON`, `DP_SERIAL_OFF`, or 0 for what opening makes of it, on. Ignored where there is
@@ -75,7 +75,7 @@ pub struct Settings {
 /// ```
 #[export]
 pub unsafe extern "C" fn dp_serial_open(serial: *mut Serial, device: *const c_char, baud: c_ulong) -> c_int {
-    let settings = Settings { baud, ..Settings::default() };
+    let settings = SerialSettings { baud, ..SerialSettings::default() };
     // SAFETY: the caller promises the same of these pointers.
     unsafe { dp_serial_open_with(serial, device, &raw const settings) }
 }
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn dp_serial_open(serial: *mut Serial, device: *const c_ch
 pub unsafe extern "C" fn dp_serial_open_with(
     serial: *mut Serial,
     device: *const c_char,
-    settings: *const Settings,
+    settings: *const SerialSettings,
 ) -> c_int {
     // SAFETY: serial is NULL or writable, what it held is overwritten; settings are NULL or whole.
     let (port, settings) = unsafe { (Serial::init(serial), settings.as_ref()) };
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn dp_serial_read(
     // SAFETY: serial is NULL or whole, and buf NULL or writable for cap bytes.
     match unsafe { (opened(serial), room_of(buf, cap)) } {
         (Some(port), Some(out)) => count(port.run(|handle| system::read(handle, out, timeout_ms))),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn dp_serial_write(
     // SAFETY: serial is NULL or whole, and buf NULL or readable for that many bytes.
     match unsafe { (opened(serial), bytes_of(buf, bytes)) } {
         (Some(port), Some(input)) => count(port.run(|handle| system::write(handle, input, timeout_ms))),
-        _ => DP_RC_ERROR_GENERIC.wrapping_neg(),
+        _ => -DP_RC_ERROR_GENERIC,
     }
 }
 
@@ -287,5 +287,5 @@ fn code(result: Result<(), Failed>) -> c_int {
 }
 
 fn count(result: Result<usize, Failed>) -> c_int {
-    result.map_or(DP_RC_DEVICE.wrapping_neg(), int)
+    result.map_or(-DP_RC_DEVICE, int)
 }

@@ -111,8 +111,8 @@ impl link::World for Link {
             let queued = gx_motion_unfinished(self.motion.ptr());
             assert!(queued >= 0);
             assert!(!self.sound[1] || (self.fetched..=GX_QUEUE_MAX).contains(&(queued as usize)));
-            assert_eq!(gx_host_get_health(self.host.ptr(), &raw mut *Box::new(gx_host::Health::zero())), 0);
-            assert_eq!(gx_motion_get_health(self.motion.ptr(), &raw mut *Box::new(gx_motion::Health::zero())), 0);
+            assert_eq!(gx_host_get_health(self.host.ptr(), &raw mut *Box::new(gx_host::HostHealth::zero())), 0);
+            assert_eq!(gx_motion_get_health(self.motion.ptr(), &raw mut *Box::new(gx_motion::MotionHealth::zero())), 0);
         }
     }
 
@@ -318,7 +318,7 @@ impl Link {
     fn host_init(&mut self, input: &mut Input, variant: u8) {
         let mut time = |shift: u8| c_ulong::from_le_bytes(input.bytes()) >> (shift * 8);
         let [answer_ms, probe_ms, move_ms, gap_ms] = [variant, 6, variant, 7].map(&mut time);
-        let settings = gx_host::Settings {
+        let settings = gx_host::HostSettings {
             answer_ms,
             probe_ms,
             move_ms,
@@ -340,7 +340,7 @@ impl Link {
     }
 
     fn motion_init(&mut self, input: &mut Input, variant: u8) {
-        let settings = gx_motion::Settings {
+        let settings = gx_motion::MotionSettings {
             gap_ms: c_ulong::from(input.byte()),
             axes: input.int(),
             only_in_order: c_int::from(input.byte() % 2),

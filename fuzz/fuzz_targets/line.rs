@@ -6,8 +6,6 @@ use std::ptr::null;
 
 use deltarobot::line_protocol::encoder::*;
 use deltarobot::line_protocol::message::*;
-use deltarobot::line_protocol::receiver::*;
-use deltarobot::line_protocol::value::*;
 use deltarobot::line_protocol::*;
 use deltarobot::sizes::OLP_LINE_MAX;
 use deltarobot_fuzz::input::Input;

@@ -105,8 +105,8 @@ impl link::World for Ends {
     }
 
     fn look(&self) {
-        let mut link = Link::zero();
-        let mut known = Box::new(line_host::Device {
+        let mut link = HostLink::zero();
+        let mut known = Box::new(line_host::HostDevice {
             id: [1; OLP_HOST_ID_MAX as usize + 1],
             r#type: [1; OLP_HOST_TYPE_MAX as usize + 1],
             name: [1; OLP_HOST_NAME_MAX as usize + 1],
@@ -117,7 +117,7 @@ impl link::World for Ends {
         unsafe {
             assert_eq!(olp_host_get_link(self.host.ptr(), &raw mut link), 0);
             in_range(olp_host_next_deadline(self.host.ptr(), self.now));
-            assert_eq!(olp_host_get_health(self.host.ptr(), &raw mut *Box::new(Health::zero())), 0);
+            assert_eq!(olp_host_get_health(self.host.ptr(), &raw mut *Box::new(HostHealth::zero())), 0);
             assert_eq!(olp_device_get_health(self.device.ptr(), &raw mut *Box::new(DeviceHealth::zero())), 0);
             assert_eq!(olp_host_get_device(self.host.ptr(), -1, &raw mut *known), 11);
             assert_eq!(olp_host_get_device(self.host.ptr(), OLP_DEVICES_MAX as c_int, &raw mut *known), 11);
@@ -206,12 +206,12 @@ impl Ends {
     fn host_poll(&mut self, times: usize) {
         // A line's, and two for each command.
         let most = 16 + 4 * OLP_WINDOW_MAX;
-        let poll = |ends: &Self, event: *mut LineHostEvent| unsafe { olp_host_poll(ends.host.ptr(), ends.now, event) };
+        let poll = |ends: &Self, event: *mut HostEvent| unsafe { olp_host_poll(ends.host.ptr(), ends.now, event) };
         let ended = fetch(self, times, most, poll, Self::happened);
         assert!(ended || !self.sound, "there is no end of events");
     }
 
-    fn happened(&mut self, event: &LineHostEvent) {
+    fn happened(&mut self, event: &HostEvent) {
         let link = &event.link;
         assert!(link.ack | 1 == 1 && link.checksum | 1 == 1 && link.windowsize >= 1, "{link:?}");
         assert!((0..=8).contains(&event.kind) && (event.outcome != 0) == (event.kind == 4));
@@ -296,7 +296,7 @@ impl Ends {
     }
 
     fn host_init(&mut self, input: &mut Input, variant: u8) {
-        let settings = Settings {
+        let settings = HostSettings {
             timeout_ms: c_ulong::from_le_bytes(input.bytes()) >> (variant * 8),
             answer_ms: c_ulong::from(input.byte()) * 10,
             repeat_ms: c_ulong::from_le_bytes(input.bytes()) >> (variant * 8),

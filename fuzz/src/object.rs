@@ -103,15 +103,15 @@ plain! {
     host: HostHealth;
     gx: Vector Number Item Commands Notices;
     line_protocol: LineMessage LineParam LineText LineEncoder;
-    line_host: Link Health Device;
+    line_host: HostLink HostHealth HostDevice;
     line_device: DeviceHealth;
-    gx_host: Health;
-    gx_motion: Health;
+    gx_host: HostHealth;
+    gx_motion: MotionHealth;
     contouring_protocol: CPVectorCommand CPPackedVectorCommandBuffer;
 }
 events! {
-    host::event::HostEvent;
-    line_host::LineHostEvent;
+    host::HostEvent;
+    line_host::HostEvent;
     gx_host::HostEvent;
     gx_motion::MotionEvent;
 }

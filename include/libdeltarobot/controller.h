@@ -119,7 +119,7 @@ struct dp_controller_calls {
  * ```
  */
 int dp_controller_init(struct dp_controller *controller, const struct dp_controller_calls *calls, void *usr, int layout,
-    int flags) DP_SIZED("dp_controller_init");
+    int flags) DP_SIZED(dp_controller_init);
 
 /**
  * Takes received bytes. Not for an interrupt that may come during another call on the controller: there, bytes go into
@@ -137,8 +137,7 @@ int dp_controller_init(struct dp_controller *controller, const struct dp_control
  * }
  * ```
  */
-int dp_controller_receive(struct dp_controller *controller, const void *buf, int bytes)
-    DP_SIZED("dp_controller_receive");
+int dp_controller_receive(struct dp_controller *controller, const void *buf, int bytes) DP_SIZED(dp_controller_receive);
 
 /**
  * Does one thing, in the firmware's main loop: reports the end of the operation, or answers one request.
@@ -151,7 +150,7 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
  *     ;
  * ```
  */
-int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller_poll");
+int dp_controller_poll(struct dp_controller *controller) DP_SIZED(dp_controller_poll);
 
 /**
  * Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
@@ -162,7 +161,7 @@ int dp_controller_poll(struct dp_controller *controller) DP_SIZED("dp_controller
  *     dp_controller_poll_idle(&controller);
  * ```
  */
-int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED("dp_controller_poll_idle");
+int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED(dp_controller_poll_idle);
 
 /**
  * Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
@@ -173,7 +172,7 @@ int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED("dp_contr
  *     dp_controller_report(&controller);
  * ```
  */
-int dp_controller_report(struct dp_controller *controller) DP_SIZED("dp_controller_report");
+int dp_controller_report(struct dp_controller *controller) DP_SIZED(dp_controller_report);
 
 #ifdef __cplusplus
 }

@@ -215,8 +215,7 @@ int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes
 int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 
 /**
- * Makes a receiver of notices of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
- * `GX_RC_ERROR_GENERIC` when notices is NULL.
+ * Makes a receiver of notices of any memory, as `gx_commands_init` makes one of commands.
  *
  * ```c
  * struct gx_notices notices;
@@ -228,9 +227,7 @@ int gx_notices_init(struct gx_notices *notices);
 /**
  * Takes received bytes up to the end of a notice, which item receives: see `gx_commands_receive`. A packed number is a
  * whole notice, but may begin an error notice too: it is reported when the next byte has come, or by
- * `gx_notices_idle`.
- *
- * Returns what `gx_commands_receive` does.
+ * `gx_notices_idle`. Returns what `gx_commands_receive` does.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);

@@ -183,7 +183,7 @@ struct gx_host_health {
  * gx_host_init(&host, &settings);
  * ```
  */
-int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED("gx_host_init");
+int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED(gx_host_init);
 
 /**
  * Requests a move behind those requested before; its end comes as an event. target holds `GX_AXES` positions in steps,
@@ -199,7 +199,7 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  *     puts("first, events have to be fetched");
  * ```
  */
-int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velocity) GX_SIZED("gx_host_move");
+int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velocity) GX_SIZED(gx_host_move);
 
 /**
  * Requests position reports each `period_ms` milliseconds, 1 to 16383, or none any more: 0. They come as events, and
@@ -211,7 +211,7 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
  *     puts("no such period");
  * ```
  */
-int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report");
+int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED(gx_host_report);
 
 /**
  * Asks for something past the queue, `GX_CONTROL_QUERY` to `GX_CONTROL_STOP`, in place of what was asked for before,
@@ -225,7 +225,7 @@ int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED("gx_host_report
  *     gx_host_control(&host, GX_CONTROL_STOP);
  * ```
  */
-int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control");
+int gx_host_control(struct gx_host *host, int control) GX_SIZED(gx_host_control);
 
 /**
  * Takes received bytes; `now_ms` is when they came. Returns how many bytes were taken: all, or fewer when events have
@@ -238,7 +238,7 @@ int gx_host_control(struct gx_host *host, int control) GX_SIZED("gx_host_control
  *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  * ```
  */
-int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED("gx_host_receive");
+int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED(gx_host_receive);
 
 /**
  * Fetches the next event. To be called after receiving, and when `gx_host_next_deadline` says, until there is none;
@@ -252,7 +252,7 @@ int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned l
  *         printf("the oldest move: outcome %d\n", event.outcome);
  * ```
  */
-int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_event *event) GX_SIZED("gx_host_poll");
+int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_event *event) GX_SIZED(gx_host_poll);
 
 /**
  * Fetches the bytes to send: whole commands, as many as fit; `now_ms` is when they leave. To be called after
@@ -266,7 +266,7 @@ int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_even
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_host_output");
+int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED(gx_host_output);
 
 /**
  * How long `gx_host_poll` has nothing to do if nothing is received or requested, as poll(2) takes it. To be called
@@ -277,7 +277,7 @@ int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_m
  * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  * ```
  */
-long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_SIZED("gx_host_next_deadline");
+long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_SIZED(gx_host_next_deadline);
 
 /**
  * How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
@@ -287,7 +287,7 @@ long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_
  *     puts("all moves have ended");
  * ```
  */
-int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished");
+int gx_host_unfinished(const struct gx_host *host) GX_SIZED(gx_host_unfinished);
 
 /**
  * Copies out how the link does. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -298,7 +298,7 @@ int gx_host_unfinished(const struct gx_host *host) GX_SIZED("gx_host_unfinished"
  *     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
  * ```
  */
-int gx_host_get_health(const struct gx_host *host, struct gx_host_health *health) GX_SIZED("gx_host_get_health");
+int gx_host_get_health(const struct gx_host *host, struct gx_host_health *health) GX_SIZED(gx_host_get_health);
 
 #ifdef __cplusplus
 }

@@ -24,11 +24,10 @@
  *     uart_write(&uart, out, length);
  * ```
  *
- * From power-up on, moves are taken with any number or none, and numbers are sent back when they are completed, as the
- * proposal has it; moves by deltas as soon as gx_motion_set_position or a move has said where the axes are. A host that
- * begins a session (gx_host.h) makes up for what the line loses, delays or splits: see gx_motion_receive. Set
- * only_in_order where only such hosts drive the machine. Commands have no checksum: a flipped bit can make another move
- * of one, which is carried out; the host finds that afterwards.
+ * From power-up on, moves are taken as the proposal has it, with any number or none, until a host begins a session,
+ * which makes up for what the line loses, delays or splits: see gx_motion_receive. Set only_in_order where only such
+ * hosts drive the machine. Commands have no checksum: a flipped bit can make another move of one, which is carried out;
+ * the host finds that afterwards.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_motion.rs by `make header`.
@@ -147,16 +146,18 @@ struct gx_motion_health {
  * gx_motion_init(&motion, &settings);
  * ```
  */
-int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED("gx_motion_init");
+int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED(gx_motion_init);
 
 /**
- * Takes received bytes; `now_ms` is when they came. Moves are queued whatever number they have or none, until a host
- * begins a session: by two numbered requests for position reports in a row, the second number 5461 behind the first
- * (modulo 16384), which is answered by both numbers. From there on each move has to carry the next number: what was
- * taken before is not carried out twice, and what comes out of order (`GX_FAULT_ORDER`) or without a number
- * (`GX_FAULT_NUMBERLESS`) is refused; ends are reported with a check of where the move led (`GX_CONFIRMED`). One more
- * numbered request begins a new session. Behind `gx_motion_stop`, moves are refused until one begins
- * (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come again.
+ * Takes received bytes; `now_ms` is when they came.
+ *
+ * Moves are queued whatever number they have or none, until a host begins a session: by two numbered requests for
+ * position reports in a row, the second number 5461 behind the first (modulo 16384), which is answered by both
+ * numbers. From there on each move has to carry the next number: what was taken before is not carried out twice, and
+ * what comes out of order (`GX_FAULT_ORDER`) or without a number (`GX_FAULT_NUMBERLESS`) is refused; ends are reported
+ * with a check of where the move led (`GX_CONFIRMED`). One more numbered request begins a new session. Behind
+ * `gx_motion_stop`, moves are refused until one begins (`GX_FAULT_CLOSED`); ESC ESC lets them be taken as they come
+ * again.
  *
  * Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
  * then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
@@ -168,7 +169,7 @@ int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *se
  * ```
  */
 int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsigned long now_ms)
-    GX_SIZED("gx_motion_receive");
+    GX_SIZED(gx_motion_receive);
 
 /**
  * Fetches the next event. To be called after receiving, and when `gx_motion_next_deadline` says, until there is none.
@@ -182,7 +183,7 @@ int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsi
  * ```
  */
 int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_motion_event *event)
-    GX_SIZED("gx_motion_poll");
+    GX_SIZED(gx_motion_poll);
 
 /**
  * Fetches the next move to carry out; what only sets the velocity is none, and ends in its turn. Firmware that plans
@@ -198,7 +199,7 @@ int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_mot
  *     motors_start(target.mask, target.axes, target.velocity);
  * ```
  */
-int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number) GX_SIZED("gx_motion_next");
+int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number) GX_SIZED(gx_motion_next);
 
 /**
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
@@ -209,7 +210,7 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
  *     gx_motion_done(&motion);
  * ```
  */
-int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
+int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
 
 /**
  * Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
@@ -224,7 +225,7 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED("gx_motion_done");
  *     gx_motion_stop(&motion, 0);
  * ```
  */
-int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop");
+int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED(gx_motion_stop);
 
 /**
  * Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
@@ -237,7 +238,7 @@ int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED("gx_motion_stop"
  * gx_motion_set_position(&motion, steps);
  * ```
  */
-int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX_SIZED("gx_motion_set_position");
+int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX_SIZED(gx_motion_set_position);
 
 /**
  * Fetches the bytes to send: whole notices and reports, as many as fit; `now_ms` is when they leave. To be called
@@ -251,7 +252,7 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
  *     uart_write(&uart, out, length);
  * ```
  */
-int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED("gx_motion_output");
+int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED(gx_motion_output);
 
 /**
  * How long `gx_motion_poll` and `gx_motion_output` have nothing to do if nothing is received or done. To be called
@@ -262,7 +263,7 @@ int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long
  * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
  * ```
  */
-long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_ms) GX_SIZED("gx_motion_next_deadline");
+long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_ms) GX_SIZED(gx_motion_next_deadline);
 
 /**
  * How many moves are queued or being carried out; 0 also when motion is NULL.
@@ -272,7 +273,7 @@ long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_m
  *     motors_stop();
  * ```
  */
-int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unfinished");
+int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED(gx_motion_unfinished);
 
 /**
  * Copies out what was seen. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -284,7 +285,7 @@ int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED("gx_motion_unf
  * ```
  */
 int gx_motion_get_health(const struct gx_motion *motion, struct gx_motion_health *health)
-    GX_SIZED("gx_motion_get_health");
+    GX_SIZED(gx_motion_get_health);
 
 #ifdef __cplusplus
 }

@@ -62,8 +62,6 @@ extern "C" {
 #define DP_RC_NO_EVENT 6
 /** Room for what is to be sent at a time: three requests. */
 #define DP_HOST_OUTPUT_MAX 27
-/** Words of a session's room. */
-#define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
 /** Event: a message was received; `msg` holds it. Only where the settings ask for these events. */
 #define DP_HOST_MESSAGE 1
 /** Event: a status report was received; `report` holds it, `state` its state. */
@@ -86,6 +84,8 @@ extern "C" {
 #define DP_HOST_CANCELLED 4
 /** Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known. */
 #define DP_HOST_TIMED_OUT 5
+/** Words of a session's room. */
+#define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
 
 /** A session. All zero is one with the default settings. */
 struct dp_host {
@@ -184,7 +184,7 @@ struct dp_host_health {
  * dp_host_init(&host, &settings);
  * ```
  */
-int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED("dp_host_init");
+int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED(dp_host_init);
 
 /**
  * Requests homing. The end comes as an event.
@@ -196,7 +196,7 @@ int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) 
  *     puts("first, DP_HOST_ENDED has to come");
  * ```
  */
-int dp_host_home(struct dp_host *host) DP_SIZED("dp_host_home");
+int dp_host_home(struct dp_host *host) DP_SIZED(dp_host_home);
 
 /**
  * Requests a move to a position. The end comes as an event.
@@ -210,7 +210,7 @@ int dp_host_home(struct dp_host *host) DP_SIZED("dp_host_home");
  *     puts("no robot can go there");
  * ```
  */
-int dp_host_move(struct dp_host *host, const struct protocol_msg_position *target) DP_SIZED("dp_host_move");
+int dp_host_move(struct dp_host *host, const struct protocol_msg_position *target) DP_SIZED(dp_host_move);
 
 /**
  * Requests that the operation going on be cancelled. Both requests end: this one when the controller has answered it,
@@ -223,7 +223,7 @@ int dp_host_move(struct dp_host *host, const struct protocol_msg_position *targe
  *     dp_host_cancel(&host);
  * ```
  */
-int dp_host_cancel(struct dp_host *host) DP_SIZED("dp_host_cancel");
+int dp_host_cancel(struct dp_host *host) DP_SIZED(dp_host_cancel);
 
 /**
  * Requests a status report. It ends with the next report that is received.
@@ -235,7 +235,7 @@ int dp_host_cancel(struct dp_host *host) DP_SIZED("dp_host_cancel");
  *     asked_at = now_ms();
  * ```
  */
-int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
+int dp_host_status(struct dp_host *host) DP_SIZED(dp_host_status);
 
 /**
  * Takes received bytes; `now_ms` is when they came.
@@ -248,7 +248,7 @@ int dp_host_status(struct dp_host *host) DP_SIZED("dp_host_status");
  *     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
  * ```
  */
-int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED("dp_host_receive");
+int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED(dp_host_receive);
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `dp_host_next_deadline` says, until
@@ -264,7 +264,7 @@ int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned l
  *         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
  * ```
  */
-int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED("dp_host_poll");
+int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED(dp_host_poll);
 
 /**
  * Fetches what is to be sent after `dp_host_poll`: whole frames, `DP_HOST_OUTPUT_MAX` bytes at most, sent at `now_ms`.
@@ -278,7 +278,7 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
  *     uart_write(&uart, out, length);
  * ```
  */
-int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED("dp_host_output");
+int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED(dp_host_output);
 
 /**
  * Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
@@ -288,7 +288,7 @@ int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_m
  * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
  * ```
  */
-long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_SIZED("dp_host_next_deadline");
+long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_SIZED(dp_host_next_deadline);
 
 /**
  * Whether an operation is going on: 1, or 0, also when host is NULL.
@@ -298,7 +298,7 @@ long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_
  *     dp_host_home(&host);
  * ```
  */
-int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
+int dp_host_busy(const struct dp_host *host) DP_SIZED(dp_host_busy);
 
 /**
  * Copies the statistics. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -309,7 +309,7 @@ int dp_host_busy(const struct dp_host *host) DP_SIZED("dp_host_busy");
  *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  * ```
  */
-int dp_host_get_health(const struct dp_host *host, struct dp_host_health *health) DP_SIZED("dp_host_get_health");
+int dp_host_get_health(const struct dp_host *host, struct dp_host_health *health) DP_SIZED(dp_host_get_health);
 
 #ifdef __cplusplus
 }

@@ -181,7 +181,7 @@ struct olp_device_health {
  * ```
  */
 int olp_device_init(struct olp_device *device, const struct olp_device_table *table, void *usr)
-    OLP_SIZED("olp_device_init");
+    OLP_SIZED(olp_device_init);
 
 /**
  * Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
@@ -191,7 +191,7 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
  * olp_device_restart(&device);
  * ```
  */
-int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart");
+int olp_device_restart(struct olp_device *device) OLP_SIZED(olp_device_restart);
 
 /**
  * Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
@@ -202,8 +202,7 @@ int olp_device_restart(struct olp_device *device) OLP_SIZED("olp_device_restart"
  * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
  * ```
  */
-int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window)
-    OLP_SIZED("olp_device_linksetup");
+int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window) OLP_SIZED(olp_device_linksetup);
 
 /**
  * Takes received bytes, up to the end of a line. Until `olp_device_poll` has answered that line, no more are taken.
@@ -218,7 +217,7 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
  * ```
  */
 int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)
-    OLP_SIZED("olp_device_receive");
+    OLP_SIZED(olp_device_receive);
 
 /**
  * Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
@@ -232,7 +231,7 @@ int olp_device_receive(struct olp_device *device, const void *buf, int bytes, un
  *     ;
  * ```
  */
-int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("olp_device_poll");
+int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED(olp_device_poll);
 
 /**
  * Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
@@ -248,8 +247,7 @@ int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED("
  * olp_device_event(&device, &event, "M1F910");
  * ```
  */
-int olp_device_event(struct olp_device *device, struct olp_encoder *event, const char *id)
-    OLP_SIZED("olp_device_event");
+int olp_device_event(struct olp_device *device, struct olp_encoder *event, const char *id) OLP_SIZED(olp_device_event);
 
 /**
  * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -261,7 +259,7 @@ int olp_device_event(struct olp_device *device, struct olp_encoder *event, const
  * ```
  */
 int olp_device_get_health(const struct olp_device *device, struct olp_device_health *health)
-    OLP_SIZED("olp_device_get_health");
+    OLP_SIZED(olp_device_get_health);
 
 #ifdef __cplusplus
 }

@@ -27,15 +27,8 @@
  * }
  * ```
  *
- * handle_event() calls, of the first OLP_HOST_WELCOME, and when the setup has ended as OLP_HOST_ANSWERED:
- *
- * ```c
- * struct olp_host_device device;
- * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
- *     olp_host_setup(&host, device.id, 1, 1, -1);
- *
- * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
- * ```
+ * handle_event() calls olp_host_setup at the first OLP_HOST_WELCOME, and olp_host_send when that setup has ended as
+ * OLP_HOST_ANSWERED.
  *
  * What holds for the outcome of a command, if the device recognises repeats and the settings say so:
  *
@@ -241,7 +234,7 @@ struct olp_host_health {
  * olp_host_init(&host, &settings);
  * ```
  */
-int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED("olp_host_init");
+int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED(olp_host_init);
 
 /**
  * Queues a `linksetup`, which says what shall be in force on the link (section "Link Setup command"). Any device takes
@@ -256,11 +249,13 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
  * ```c
- * olp_host_setup(&host, "sf6z34", 1, 1, -1);
+ * struct olp_host_device device;
+ * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+ *     olp_host_setup(&host, device.id, 1, 1, -1);
  * ```
  */
 int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)
-    OLP_SIZED("olp_host_setup");
+    OLP_SIZED(olp_host_setup);
 
 /**
  * Queues a command for the device id, a string that is encoded as needed. `OLP_WINDOW_MAX` are kept, sent or not.
@@ -279,7 +274,7 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  * ```
  */
-int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED("olp_host_send");
+int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED(olp_host_send);
 
 /**
  * Takes received bytes, up to the end of a line; `now_ms` is when they came. Behind that end, none are taken until
@@ -293,7 +288,7 @@ int olp_host_send(struct olp_host *host, const char *command, int length, const 
  * ```
  */
 int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
-    OLP_SIZED("olp_host_receive");
+    OLP_SIZED(olp_host_receive);
 
 /**
  * Fetches the next event. To be called after receiving, and at the latest when `olp_host_next_deadline` says, until
@@ -309,7 +304,7 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
  *     handle_event(&event);
  * ```
  */
-int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED("olp_host_poll");
+int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED(olp_host_poll);
 
 /**
  * Fetches the bytes to send: whole lines; `now_ms` is when they leave. To be called after `olp_host_poll`, with room
@@ -322,7 +317,7 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * length = olp_host_output(&host, out, sizeof out, now_ms());
  * ```
  */
-int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED("olp_host_output");
+int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED(olp_host_output);
 
 /**
  * Returns for how many milliseconds `olp_host_poll` and `olp_host_output` have nothing to do if nothing is received or
@@ -333,7 +328,7 @@ int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now
  * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
  * ```
  */
-long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED("olp_host_next_deadline");
+long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED(olp_host_next_deadline);
 
 /**
  * Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
@@ -345,7 +340,7 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
  *     puts("lines have checksums");
  * ```
  */
-int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED("olp_host_get_link");
+int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED(olp_host_get_link);
 
 /**
  * Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
@@ -358,7 +353,7 @@ int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) O
  * ```
  */
 int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_device *device)
-    OLP_SIZED("olp_host_get_device");
+    OLP_SIZED(olp_host_get_device);
 
 /**
  * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
@@ -369,7 +364,7 @@ int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_
  *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  * ```
  */
-int olp_host_get_health(const struct olp_host *host, struct olp_host_health *health) OLP_SIZED("olp_host_get_health");
+int olp_host_get_health(const struct olp_host *host, struct olp_host_health *health) OLP_SIZED(olp_host_get_health);
 
 #ifdef __cplusplus
 }

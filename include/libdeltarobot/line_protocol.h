@@ -75,6 +75,21 @@ extern "C" {
 /** `unsigned long`s of a receiver, with some room to spare. */
 #define OLP_RECEIVER_WORDS ((OLP_LINE_MAX / 4) + 3)
 
+/** A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one. */
+struct olp_receiver {
+  unsigned long opaque[OLP_RECEIVER_WORDS];
+};
+
+/** What `olp_receive` found. */
+struct olp_line {
+  /** One of `OLP_LINE_*`. */
+  int kind;
+  /** The line without its end, a zero byte behind it, in the receiver until the next call; NULL: there is none. */
+  const char *text;
+  /** Number of bytes of it; 0 when there is none. */
+  int length;
+};
+
 /** A line that is being built. Its fields are private. */
 struct olp_encoder {
   char *buf;
@@ -109,20 +124,28 @@ struct olp_param {
   int value_length;
 };
 
-/** A receiver of lines up to `OLP_LINE_MAX` bytes. All zero is an empty one. */
-struct olp_receiver {
-  unsigned long opaque[OLP_RECEIVER_WORDS];
-};
+/**
+ * Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
+ *
+ * ```c
+ * olp_receiver_init(&receiver);
+ * ```
+ */
+int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED(olp_receiver_init);
 
-/** What `olp_receive` found. */
-struct olp_line {
-  /** One of `OLP_LINE_*`. */
-  int kind;
-  /** The line without its end, a zero byte behind it, in the receiver until the next call; NULL: there is none. */
-  const char *text;
-  /** Number of bytes of it; 0 when there is none. */
-  int length;
-};
+/**
+ * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
+ * empty ones are passed over. One longer than `OLP_LINE_MAX` is lost: `OLP_LINE_OVERLONG` when its end has come.
+ *
+ * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
+ * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
+ *
+ * ```c
+ * int taken = olp_receive(&receiver, in, length, &line);
+ * ```
+ */
+int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
+    OLP_SIZED(olp_receive);
 
 /**
  * Begins a line that may be as long as the buffer, its line feed counted: one that a device sends. buf stays there
@@ -294,29 +317,6 @@ int olp_param_at(const struct olp_message *message, int index, struct olp_param 
  * ```
  */
 int olp_find(const struct olp_message *message, const char *name, int occurrence, struct olp_param *param);
-
-/**
- * Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
- *
- * ```c
- * olp_receiver_init(&receiver);
- * ```
- */
-int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED("olp_receiver_init");
-
-/**
- * Takes received bytes up to the end of the next line, and reports in line what they were. Lines end with LF or CR LF;
- * empty ones are passed over. One longer than `OLP_LINE_MAX` is lost: `OLP_LINE_OVERLONG` when its end has come.
- *
- * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
- * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
- *
- * ```c
- * int taken = olp_receive(&receiver, in, length, &line);
- * ```
- */
-int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
-    OLP_SIZED("olp_receive");
 
 /**
  * Reads a parameter's value as an integer: an optional sign and decimal digits, perhaps spaces around them. param was

@@ -57,7 +57,7 @@ extern "C" {
  *     dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build");
+int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED(dp_build);
 
 /**
  * Builds an acknowledgement of the request with the opcode answered, which is not checked. Returns `DP_RC_SUCCESS`, or
@@ -69,7 +69,7 @@ int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED("dp_build"
  * dp_send(&answer, uart_send, &uart);
  * ```
  */
-int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_ack");
+int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED(dp_build_ack);
 
 /**
  * Builds a refusal, as `dp_build_ack` builds an acknowledgement.
@@ -80,7 +80,7 @@ int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_
  * dp_send(&answer, uart_send, &uart);
  * ```
  */
-int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp_build_nack");
+int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED(dp_build_nack);
 
 /**
  * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too. Returns `DP_RC_SUCCESS`, or
@@ -92,7 +92,7 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED("dp
  *     dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED("dp_build_move");
+int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED(dp_build_move);
 
 /**
  * Builds a status report in a layout, `DP_LAYOUT_*`. Floats are copied bit by bit, reserved bits of STAT cleared.
@@ -107,7 +107,7 @@ int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *
  * ```
  */
 int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_status_report *report, int layout)
-    DP_SIZED("dp_build_status_report");
+    DP_SIZED(dp_build_status_report);
 
 /**
  * Whether a message is one of the specification's, with a known opcode and a payload of its length. Returns
@@ -119,7 +119,7 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
  *         handle(&msg);
  * ```
  */
-int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
+int dp_msg_check(const struct protocol_msg *msg) DP_SIZED(dp_msg_check);
 
 /**
  * Reads from an ack or a nack which opcode it answers. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left
@@ -131,7 +131,7 @@ int dp_msg_check(const struct protocol_msg *msg) DP_SIZED("dp_msg_check");
  *     printf("refused: %s\n", dp_opcode_name(answered));
  * ```
  */
-int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED("dp_read_answer");
+int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED(dp_read_answer);
 
 /**
  * Reads from a request to move where to; the floats, copied bit by bit, may be NaNs. Returns `DP_RC_SUCCESS`, or
@@ -143,7 +143,7 @@ int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_S
  *     motors_move(target.DA, target.DB, target.DC);
  * ```
  */
-int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *target) DP_SIZED("dp_read_move");
+int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *target) DP_SIZED(dp_read_move);
 
 /**
  * Reads a status report of a layout, `DP_LAYOUT_*`. The floats are copied bit by bit: an unknown position is a NaN, a
@@ -159,7 +159,7 @@ int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *t
  * ```
  */
 int dp_read_status_report(const struct protocol_msg *msg, int layout, struct protocol_msg_status_report *report)
-    DP_SIZED("dp_read_status_report");
+    DP_SIZED(dp_read_status_report);
 
 /**
  * Returns the name of an opcode for logs, a string that lives as long as the program: `ACK`, `NACK`, `HOMING!`,
@@ -187,7 +187,7 @@ const char *dp_opcode_name(unsigned char opcode);
  *     puts(text);
  * ```
  */
-int dp_msg_format(const struct protocol_msg *msg, char *buf, int cap) DP_SIZED("dp_msg_format");
+int dp_msg_format(const struct protocol_msg *msg, char *buf, int cap) DP_SIZED(dp_msg_format);
 
 #ifdef __cplusplus
 }

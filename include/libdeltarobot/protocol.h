@@ -159,8 +159,7 @@ struct protocol_msg_position {
  * Adds received bytes at the ring's end.
  *
  * When they do not fit, the oldest bytes make room; of more than `DP_BUFSIZE` bytes the first `DP_BUFSIZE` are taken.
- * Not for an interrupt that may come during another call on the ring: there, bytes go into a queue of the program's
- * own.
+ * Not for an interrupt that may come during another call on the ring: there, put bytes into a queue of your own.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
@@ -171,7 +170,7 @@ struct protocol_msg_position {
  *     ++losses;
  * ```
  */
-int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_process");
+int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED(dp_process);
 
 /**
  * Takes the next message out of the ring.
@@ -189,7 +188,7 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED("dp_pr
  *     handle(&msg);
  * ```
  */
-int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv");
+int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_recv);
 
 /**
  * Sends a message, whose opcode is not checked: calls sendfunc once, with the whole frame and usr.
@@ -203,7 +202,7 @@ int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_r
  * dp_send(&msg, uart_send, &uart);
  * ```
  */
-int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED("dp_send");
+int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED(dp_send);
 
 #ifdef __cplusplus
 }

@@ -61,7 +61,7 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * ```
  */
 int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
-    DP_SIZED("dp_process_each");
+    DP_SIZED(dp_process_each);
 
 /**
  * Like `dp_recv`, for a line that has been quiet for longer than a frame takes (37 bytes at 115200 baud: 3.2 ms): what
@@ -78,7 +78,7 @@ int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_m
  *         handle(&msg);
  * ```
  */
-int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED("dp_recv_idle");
+int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_recv_idle);
 
 /**
  * Makes an empty ring of any memory, as setting it to zero does; the library's safety never needs that. Returns
@@ -89,7 +89,7 @@ int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(
  * dp_init(&ring);
  * ```
  */
-int dp_init(struct protocol_data *data) DP_SIZED("dp_init");
+int dp_init(struct protocol_data *data) DP_SIZED(dp_init);
 
 /**
  * Returns the library's version, e.g. "1.0.0", a string that lives as long as the program: compare it with the

@@ -49,16 +49,15 @@ struct dp_receiver {
 };
 
 /**
- * Makes an empty receiver of any memory. The same as setting it to zero, and never needed for the library's safety.
- *
- * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
+ * Makes an empty receiver of any memory, as setting it to zero does; the library's safety never needs that. Returns
+ * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
  *
  * ```c
  * struct dp_receiver receiver;
  * dp_receiver_init(&receiver);
  * ```
  */
-int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED("dp_receiver_init");
+int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED(dp_receiver_init);
 
 /**
  * Takes a received byte. It only stores the byte and compares a count, so that it fits an interrupt;
@@ -73,7 +72,7 @@ int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED("dp_receiver_init");
  *     fetch = 1;
  * ```
  */
-int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED("dp_receiver_byte");
+int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(dp_receiver_byte);
 
 /**
  * Fetches the next message: to be called until it does not return `DP_RC_SUCCESS`.
@@ -88,15 +87,13 @@ int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(
  *     handle(&msg);
  * ```
  */
-int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED("dp_receiver_next");
+int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_next);
 
 /**
  * Fetches the next message when the line has been quiet for longer than a frame takes, as `dp_recv_idle` does: what is
  * incomplete is given up, and what stands behind it delivered.
  *
- * Returns `DP_RC_SUCCESS` and the message, `DP_RC_GARBAGE` when bytes were thrown away and the receiver is empty now,
- * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message,
- * `opcode` is set to 0xFF and the rest of msg is left as it was.
+ * Returns what `dp_recv_idle` does.
  *
  * ```c
  * if (now_ms() - heard_at >= 10)
@@ -104,17 +101,13 @@ int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  *         handle(&msg);
  * ```
  */
-int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED("dp_receiver_idle");
+int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_idle);
 
 /**
  * Takes any number of received bytes, and calls `on_msg` for each message as soon as it is complete. Frames that lie
- * in buf are not copied into the receiver.
+ * in buf are not copied into the receiver. buf's bytes stay as they are until the call returns.
  *
- * buf's bytes stay as they are until the call returns.
- *
- * Returns how many of the bytes were taken: all of them unless `on_msg` stopped it by a result that is not 0. Nothing
- * is lost then: give the rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC`
- * when receiver or `on_msg` is NULL, bytes is negative, or buf is NULL and bytes is not 0.
+ * Returns what `dp_process_each` does, receiver in place of data.
  *
  * ```c
  * int got = uart_read(&uart, in, sizeof in);
@@ -122,7 +115,7 @@ int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  * ```
  */
 int dp_receiver_each(struct dp_receiver *receiver, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
-    DP_SIZED("dp_receiver_each");
+    DP_SIZED(dp_receiver_each);
 
 #ifdef __cplusplus
 }

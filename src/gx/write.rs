@@ -217,13 +217,13 @@ pub unsafe extern "C" fn gx_write_status(
     unsafe { write(core::ptr::null(), buf, cap, |_, room| gx::write_status(format_of(format)?, status?, room)) }
 }
 
-const CONTOUR_WORDS: usize = 64 / size_of::<c_ulong>();
+const GX_CONTOUR_WORDS: usize = 64 / size_of::<c_ulong>();
 
 /// Writes a path as the shortest stream of commands. All zero is a path of no axis. Its contents are private.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Contour {
-    opaque: [c_ulong; CONTOUR_WORDS],
+    opaque: [c_ulong; GX_CONTOUR_WORDS],
 }
 state!(Contour: gx::Contour);
 

@@ -44,7 +44,7 @@ pub const OLP_HOST_NOT_SENT: c_int = 5;
 /// Something that happened.
 #[derive(Debug)]
 #[repr(C)]
-pub struct LineHostEvent {
+pub struct HostEvent {
     /// What: one of `OLP_HOST_WELCOME` to `OLP_HOST_DROPPED`.
     pub kind: c_int,
     /// Of `OLP_HOST_ACKED`, `OLP_HOST_ENDED` and `OLP_HOST_ERROR`, the command's; 0 of others.
@@ -58,13 +58,13 @@ pub struct LineHostEvent {
     /// Of `OLP_HOST_LOST`, the number of messages, 1 to 127; 0 of others.
     pub lost: c_int,
     /// What is in force on the link.
-    pub link: Link,
+    pub link: HostLink,
     /// The line, where it lies in the session until its next call that is not of `const`; empty if there is none.
     pub message: LineMessage,
 }
 
 /// Writes what happened to an event that is all zero but for its device, which is -1.
-pub(super) fn write_event(event: &mut LineHostEvent, happened: &Event<'_>) {
+pub(super) fn write_event(event: &mut HostEvent, happened: &Event<'_>) {
     let (kind, message) = match happened {
         Event::Welcome(listed, message) => {
             (event.device, event.error) = place_of(*listed);
@@ -124,7 +124,7 @@ const _: () = {
 /// Settings of a host session: 0 stands for the default everywhere. Times are in milliseconds, at most 2^31 - 1.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Settings {
+pub struct HostSettings {
     /// Least time to wait for an ack; 0: 500. Timeouts follow measured round trips, and double when nothing comes.
     pub timeout_ms: c_ulong,
     /// The same for an answer; 0: as long as for an ack.
@@ -145,7 +145,7 @@ pub struct Settings {
 /// What is in force on a link, as the host knows it. At first, 0 and a window of 1 (section "Link Setup command").
 #[derive(Debug)]
 #[repr(C)]
-pub struct Link {
+pub struct HostLink {
     /// 1: the device acknowledges commands; else 0.
     pub ack: c_int,
     /// 1: commands have a Fletcher-16 checksum; else 0.
@@ -157,7 +157,7 @@ pub struct Link {
 /// Counters of a host session since it began; they wrap at 2^32.
 #[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
-pub struct Health {
+pub struct HostHealth {
     /// Lines received that can be read.
     pub lines: c_ulong,
     /// Of these, acks, answers and refusals that nothing was waiting for.
@@ -199,7 +199,7 @@ const VERSION_SIZE: usize = OLP_HOST_VERSION_MAX as usize + 1;
 /// A device. Its texts are decoded and end with a 0; those it did not give are empty.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Device {
+pub struct HostDevice {
     /// What it is called in messages.
     pub id: [c_char; ID_SIZE],
     /// What it is, e.g. `OzekiSwitchController`.
@@ -214,8 +214,8 @@ pub struct Device {
     pub cut: c_int,
 }
 
-pub(super) fn link_of(link: host::Link) -> Link {
-    Link { ack: link.acks().into(), checksum: link.checks().into(), windowsize: link.windowsize().into() }
+pub(super) fn link_of(link: host::Link) -> HostLink {
+    HostLink { ack: link.acks().into(), checksum: link.checks().into(), windowsize: link.windowsize().into() }
 }
 
 /// Copies a text, which ends in C whatever the session's memory was overwritten with.

@@ -173,7 +173,7 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     unsafe {
         // What it says is kept.
         let code = edit(encoder, &mut |line| _ = line.finish(checksum != 0));
-        let Some(encoder) = encoder.as_mut() else { return OLP_RC_ERROR_GENERIC.wrapping_neg() };
+        let Some(encoder) = encoder.as_mut() else { return -OLP_RC_ERROR_GENERIC };
         encoder.error = OLP_RC_ERROR_GENERIC;
         // Below 0, whatever an encoder that was never begun holds: nobody shall take it for a length.
         if code == OLP_RC_SUCCESS { encoder.length } else { code.saturating_abs().wrapping_neg() }

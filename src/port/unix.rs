@@ -4,7 +4,7 @@
 use core::ffi::{CStr, c_char, c_int, c_long, c_short, c_ulong};
 use core::mem::MaybeUninit;
 
-use super::{Cause, Settings};
+use super::{Cause, SerialSettings};
 
 /// The system's number of an error.
 pub(super) type Error = c_int;
@@ -14,7 +14,7 @@ pub(crate) use libc::{TIOCM_DTR as DTR, TIOCM_RTS as RTS};
 
 /// Opens a device for both directions. It waits for no carrier, does not become this program's controlling terminal,
 /// and is not inherited by programs that this one starts.
-pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
+pub(super) fn open(device: &CStr, settings: &SerialSettings) -> Result<c_int, Cause> {
     let flags = libc::O_RDWR | libc::O_NOCTTY | libc::O_NONBLOCK | libc::O_CLOEXEC;
     // SAFETY: a `CStr` ends with a zero byte.
     let fd = retry(|| unsafe { libc::open(device.as_ptr(), flags) }).map_err(|error| match error {
@@ -31,8 +31,8 @@ pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
 }
 
 /// Claims a device, and only then changes it: another program may be using it.
-fn set_up(fd: c_int, asked: &Settings) -> Result<(), Cause> {
-    let Settings { baud, dtr, rts, keep_lines } = *asked;
+fn set_up(fd: c_int, asked: &SerialSettings) -> Result<(), Cause> {
+    let SerialSettings { baud, dtr, rts, keep_lines } = *asked;
     let mut settings = settings_of(fd).map_err(|error| match error {
         libc::ENOTTY | libc::EINVAL | libc::ENODEV | libc::EOPNOTSUPP => Cause::NoSerialPort,
         _ => cause_of(error),
@@ -238,7 +238,7 @@ fn lines(fd: c_int) -> Result<c_int, Error> {
     Ok(lines)
 }
 
-/// These lines, of which one is set as [`Settings`] say.
+/// These lines, of which one is set as [`SerialSettings`] say.
 const fn with(lines: c_int, line: c_int, on: c_int) -> c_int {
     match on {
         0 => lines,

@@ -4,7 +4,7 @@ use core::ffi::{CStr, c_char, c_int, c_long, c_void};
 use core::mem::MaybeUninit;
 use core::ptr;
 
-use super::{Cause, Settings, is_near};
+use super::{Cause, SerialSettings, is_near};
 
 /// The system's number of an error.
 pub(super) type Error = u32;
@@ -87,7 +87,7 @@ const ERROR_DEVICE_NOT_CONNECTED: Error = 1167;
 const ERROR_DEVICE_REMOVED: Error = 1617;
 
 /// Opens a port for this program alone, by a name such as `COM5`, `COM10` or `\\.\COM10`.
-pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
+pub(super) fn open(device: &CStr, settings: &SerialSettings) -> Result<c_int, Cause> {
     const READ_WRITE: u32 = 0xC000_0000;
     const EXISTING: u32 = 3;
     let mut path = [MaybeUninit::<u8>::uninit(); 260];
@@ -115,9 +115,9 @@ pub(super) fn open(device: &CStr, settings: &Settings) -> Result<c_int, Cause> {
     Ok(handle)
 }
 
-fn set_up(handle: c_int, asked: &Settings) -> Result<(), Cause> {
+fn set_up(handle: c_int, asked: &SerialSettings) -> Result<(), Cause> {
     // Closing drops both lines, whatever is asked for.
-    let Settings { baud, dtr, rts, keep_lines: _ } = *asked;
+    let SerialSettings { baud, dtr, rts, keep_lines: _ } = *asked;
     let mut state = state(handle).map_err(|_| Cause::NoSerialPort)?;
     state.baud = baud;
     state.flags = BINARY;

@@ -210,7 +210,7 @@ fn mark_exports(text: &str, sized: &mut String) -> Result<String> {
         let family = family.trim_matches(['(', ')']).to_uppercase();
         if !family.is_empty() {
             writeln!(sized, "#define {name} {family}_SIZED_NAME({name})")?;
-            write!(marked, "\n///\n/// cbindgen:postfix={family}_SIZED(\"{name}\")")?;
+            write!(marked, "\n///\n/// cbindgen:postfix={family}_SIZED({name})")?;
         }
         write!(marked, "\n#[unsafe(no_mangle)]{function}")?;
     }

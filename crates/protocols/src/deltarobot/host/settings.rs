@@ -1,6 +1,6 @@
 //! What a host session can be asked to do differently, and its statistics.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::deltarobot::Observer;
 use crate::session::{RoundTrips, count, span};
@@ -63,7 +63,8 @@ impl Settings {
 }
 
 /// Statistics of a host session since it began. Counters wrap at 2^32.
-#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Health {
     /// Intact frames received.
     pub frames: u32,

@@ -1,6 +1,6 @@
 //! The settings of a host session, and its counters.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::gx::{Format, NUMBER_MAX};
 use crate::session::{span, times};
@@ -77,7 +77,8 @@ impl Settings {
 }
 
 /// Counters of a host session since it began; they wrap.
-#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Health {
     /// Moves sent, each counted once.
     pub moves: u32,
