@@ -182,7 +182,8 @@ pub unsafe extern "C" fn olp_host_send(
 /// and bytes is not 0.
 ///
 /// ```c
-/// int taken = olp_host_receive(&host, in, length, now_ms());
+/// for (int taken = 0; taken < length; handle_events(&host))
+///     taken += olp_host_receive(&host, in + taken, length - taken, now_ms());
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
@@ -230,7 +231,8 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 /// -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
 ///
 /// ```c
-/// length = olp_host_output(&host, out, sizeof out, now_ms());
+/// if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+///     uart_write(&uart, out, length);
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
@@ -272,7 +274,7 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut HostLin
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+/// Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps. Returns
 /// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
 ///
 /// ```c

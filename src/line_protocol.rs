@@ -155,7 +155,11 @@ pub unsafe extern "C" fn olp_receiver_init(receiver: *mut Receiver) -> c_int {
 /// -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
 ///
 /// ```c
-/// int taken = olp_receive(&receiver, in, length, &line);
+/// for (int taken = 0; taken < length;) {
+///     taken += olp_receive(&receiver, in + taken, length - taken, &line);
+///     if (line.kind == OLP_LINE_COMPLETE)
+///         puts(line.text);
+/// }
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_receive(

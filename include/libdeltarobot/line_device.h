@@ -143,7 +143,7 @@ struct olp_device_table {
   olp_send_func_t send;
   /**
    * For how many milliseconds after a command, or its last repeat, a repeat is recognised, at most 2^31 - 1; 0
-   * stands for 5000. It has to be more than the other end waits before it repeats. Later, it is a new command.
+   * stands for 5000. It has to be more than the other end waits before it repeats: later, the line is a new command.
    */
   unsigned long repeat_ms;
 };
@@ -167,7 +167,8 @@ struct olp_device_health {
 /**
  * Makes the device's end of a link of any memory. The first calls of `olp_device_poll` will send the welcomes.
  *
- * table's counts, texts and functions, which take usr, are right, and stay there unchanged while device is used.
+ * table's counts, texts and functions are what it says, and its functions can be called with usr; it stays there,
+ * unchanged, as long as the device is used.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_TOO_LONG` when a welcome is longer than `OLP_REPLY_MAX`; `OLP_RC_ERROR_GENERIC`
  * when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
@@ -184,8 +185,8 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
     OLP_SIZED(olp_device_init);
 
 /**
- * Starts again, as after `olp_device_init`, by which device was made (or is all zero): to be called when another
- * connection is made. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when device is NULL or was not made.
+ * Starts again, as after `olp_device_init`: to be called when another connection is made. Returns `OLP_RC_SUCCESS`, or
+ * `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
  *
  * ```c
  * olp_device_restart(&device);
@@ -196,7 +197,8 @@ int olp_device_restart(struct olp_device *device) OLP_SIZED(olp_device_restart);
 /**
  * Has the device set up the link by a linksetup event, in force when the next calls of `olp_device_poll` have sent it
  * (behind the welcomes). ack and checksum: 0 off, else on. window: how many commands may be unanswered, 1 to
- * `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for another window or a device not made.
+ * `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when window is out of range, or device NULL or
+ * not made by `olp_device_init`.
  *
  * ```c
  * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
@@ -210,10 +212,11 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
  * call on the same device.
  *
  * Returns how many bytes were taken, the rest being for after the next `olp_device_poll`; -`OLP_RC_ERROR_GENERIC` when
- * device is NULL or was not made, bytes is negative, or buf is NULL and bytes is not 0.
+ * device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL and bytes is not 0.
  *
  * ```c
- * int taken = olp_device_receive(&device, in, length, now_ms());
+ * for (int taken = 0; taken < length; olp_device_poll(&device, now_ms()))
+ *     taken += olp_device_receive(&device, in + taken, length - taken, now_ms());
  * ```
  */
 int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)
@@ -223,8 +226,9 @@ int olp_device_receive(struct olp_device *device, const void *buf, int bytes, un
  * Does one thing in the firmware's main loop: sends a welcome or the linksetup event, or answers a received line.
  *
  * Returns `OLP_RC_SUCCESS` when something was done; `OLP_RC_NO_EVENT` when there was nothing to do; `OLP_RC_BUSY` when
- * called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made; and when a
- * command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+ * called by a function that it called itself; `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by
+ * `olp_device_init`; and when a command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else
+ * `olp_finish` may say.
  *
  * ```c
  * while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
@@ -235,11 +239,11 @@ int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED(o
 
 /**
  * Sends an event of the device of that id, a string: event was begun, by `olp_begin`, and has its parameters; id and t
- * are added here. Its buffer is the caller's, as long as the line may be, and still there.
+ * are added here. Its buffer is the caller's, has room for the whole line, and is still there.
  *
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_BUSY` as long as there are welcomes to send, which come first;
- * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made, or it has no such id; or, when the event can't
- * be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
+ * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
+ * when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
  *
  * ```c
  * olp_begin(&event, text, sizeof text, "heaterinfo");

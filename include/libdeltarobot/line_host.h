@@ -99,18 +99,33 @@ extern "C" {
 #define OLP_HOST_ENDED 4
 /** Event: another line came from the device: `message`. */
 #define OLP_HOST_LINE 5
-/** Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged. */
+
+/**
+ * Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
+ * damaged number makes a gap too.
+ */
 #define OLP_HOST_LOST 6
+
 /** Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known. */
 #define OLP_HOST_ERROR 7
 /** Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`. */
 #define OLP_HOST_DROPPED 8
-/** Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device. */
+
+/**
+ * Outcome: the device has executed the command, and answered: `message`, or an `onerror` with the code `toolong` when
+ * its answer is too long for it.
+ */
 #define OLP_HOST_ANSWERED 1
+
 /** Outcome: the device did not execute it, and says so: `message`, an `onerror`. */
 #define OLP_HOST_REFUSED 2
-/** Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received. */
+
+/**
+ * Outcome: what was to come back did not. Whether the command was executed is not known; if it was acknowledged, the
+ * device has it.
+ */
 #define OLP_HOST_TIMED_OUT 3
+
 /** Outcome: the device has restarted. Whether the command was executed before that is not known. */
 #define OLP_HOST_RESTARTED 4
 /** Outcome: it was never sent, as checksums came into force after it was queued, with which it is too long. */
@@ -135,12 +150,16 @@ struct olp_host_settings {
   /** How often a command may be retransmitted; 0: 3; below 0: never. */
   int repeats;
   /**
-   * Not 0: the device recognises repeats, as `olp_device` does: sent also without acks, after an ack, and on damage.
+   * Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to): they are
+   * retransmitted without acks, after their ack, and as soon as the device reports damage.
    */
   int recognises;
   /** The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known. */
   unsigned long baud;
-  /** Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any. */
+  /**
+   * Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
+   * below 0: any number.
+   */
   int receive_room;
 };
 
@@ -284,7 +303,8 @@ int olp_host_send(struct olp_host *host, const char *command, int length, const 
  * and bytes is not 0.
  *
  * ```c
- * int taken = olp_host_receive(&host, in, length, now_ms());
+ * for (int taken = 0; taken < length; handle_events(&host))
+ *     taken += olp_host_receive(&host, in + taken, length - taken, now_ms());
  * ```
  */
 int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
@@ -314,7 +334,8 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
  * ```c
- * length = olp_host_output(&host, out, sizeof out, now_ms());
+ * if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *     uart_write(&uart, out, length);
  * ```
  */
 int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED(olp_host_output);
@@ -343,7 +364,7 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED(olp_host_get_link);
 
 /**
- * Copies what is known of a device that has signed in; index is its lasting place in the table, from 0 up. Returns
+ * Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps. Returns
  * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
  * ```c

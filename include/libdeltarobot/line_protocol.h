@@ -141,7 +141,11 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED(olp_receiver_init
  * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
  *
  * ```c
- * int taken = olp_receive(&receiver, in, length, &line);
+ * for (int taken = 0; taken < length;) {
+ *     taken += olp_receive(&receiver, in + taken, length - taken, &line);
+ *     if (line.kind == OLP_LINE_COMPLETE)
+ *         puts(line.text);
+ * }
  * ```
  */
 int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)

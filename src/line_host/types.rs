@@ -23,18 +23,21 @@ pub const OLP_HOST_ACKED: c_int = 3;
 pub const OLP_HOST_ENDED: c_int = 4;
 /// Event: another line came from the device: `message`.
 pub const OLP_HOST_LINE: c_int = 5;
-/// Event: the numbers of the device's messages say that `lost` are missing before this line; or one is damaged.
+/// Event: the gap in the numbers of the device's messages says that `lost` are missing before this line. An estimate: a
+/// damaged number makes a gap too.
 pub const OLP_HOST_LOST: c_int = 6;
 /// Event: the device reports an error: `message`, about the command `handle`, or 0 when that is not known.
 pub const OLP_HOST_ERROR: c_int = 7;
 /// Event: a line was lost: `error` is `OLP_RC_TOO_LONG` or `OLP_RC_MALFORMED`.
 pub const OLP_HOST_DROPPED: c_int = 8;
 
-/// Outcome: executed and answered: `message`; an `onerror` `toolong` when the answer is too long for the device.
+/// Outcome: the device has executed the command, and answered: `message`, or an `onerror` with the code `toolong` when
+/// its answer is too long for it.
 pub const OLP_HOST_ANSWERED: c_int = 1;
 /// Outcome: the device did not execute it, and says so: `message`, an `onerror`.
 pub const OLP_HOST_REFUSED: c_int = 2;
-/// Outcome: what was to come back did not. Whether it was executed is not known; acknowledged, it was received.
+/// Outcome: what was to come back did not. Whether the command was executed is not known; if it was acknowledged, the
+/// device has it.
 pub const OLP_HOST_TIMED_OUT: c_int = 3;
 /// Outcome: the device has restarted. Whether the command was executed before that is not known.
 pub const OLP_HOST_RESTARTED: c_int = 4;
@@ -134,11 +137,13 @@ pub struct HostSettings {
     pub repeat_ms: c_ulong,
     /// How often a command may be retransmitted; 0: 3; below 0: never.
     pub repeats: c_int,
-    /// Not 0: the device recognises repeats, as `olp_device` does: sent also without acks, after an ack, and on damage.
+    /// Not 0: the device recognises repeated commands (`olp_device` does, no other board is known to): they are
+    /// retransmitted without acks, after their ack, and as soon as the device reports damage.
     pub recognises: c_int,
     /// The line's speed in baud, for when a line has left and how long a reply takes; 0: it is not known.
     pub baud: c_ulong,
-    /// Bytes that the device's receive buffer takes, of which no more are sent; 0: 63, an Arduino's; below 0: any.
+    /// Bytes that the device's receive buffer takes: no more are sent before it has read them. 0: 63, as an Arduino's;
+    /// below 0: any number.
     pub receive_room: c_int,
 }
 
