@@ -274,8 +274,9 @@ pub unsafe extern "C" fn olp_host_get_link(host: *const Host, link: *mut HostLin
     OLP_RC_SUCCESS
 }
 
-/// Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps. Returns
-/// `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+/// Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps.
+/// Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is
+/// NULL.
 ///
 /// ```c
 /// struct olp_host_device device;

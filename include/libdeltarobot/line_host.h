@@ -364,8 +364,9 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED(olp_host_get_link);
 
 /**
- * Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps. Returns
- * `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
+ * Copies what is known of a device that has signed in; index is its place in the table, from 0 up, which it keeps.
+ * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is
+ * NULL.
  *
  * ```c
  * struct olp_host_device device;
