@@ -32,76 +32,26 @@
 //!
 //! Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
 //! reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
-//! When the motion side is switched off and on, or reset, that takes only_in_order there (gx_motion.h): moves are
-//! reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
-//! be. Commands have no checksum: a flipped bit, a lost mask, ASCII digit or several lost bytes can make another move,
-//! which is carried out and reported as GX_HOST_DEVIATED; the next corrects it.
+//! The same holds when the motion side is switched off and on, or reset, if it has only_in_order set (gx_motion.h): moves
+//! are reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
+//! be.
+//!
+//! Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
+//! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
 
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
-use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, control_of, fill};
+use super::gx::{GX_RC_BUSY, GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, control_of, fill};
 use super::memory::{bytes_of, copy_counters, duration, int, long, short, time};
 use super::state::{Room, state};
 use crate::sizes::GX_WINDOW_MAX;
 use deltarobot_export::export;
-use deltarobot_protocols::gx::host::{self, Event, Outcome, QueueError};
+use deltarobot_protocols::gx::host::{self, QueueError};
 use deltarobot_protocols::gx::{self, AXES, MASK_AXES, PERIOD_MAX};
+use event::{HostEvent, write_event};
 use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
-/// Event: the oldest move has ended as outcome says: once for each move, in the order of the requests.
-pub const GX_HOST_ENDED: c_int = 1;
-/// Event: a position report: position.
-pub const GX_HOST_REPORT: c_int = 2;
-/// Event: an error notice: code, number. What is to be done about it, the session does.
-pub const GX_HOST_ERROR: c_int = 3;
-/// Event: a session has begun.
-pub const GX_HOST_BEGUN: c_int = 4;
-/// Event: a position report that does not fit what was requested: position. The next move corrects that.
-pub const GX_HOST_DRIFT: c_int = 5;
-/// Event: the status: number more moves fit into the motion side's queue, and it holds if code is not 0.
-pub const GX_HOST_STATUS: c_int = 6;
-/// Event: the machine was stopped at position, with the velocity in force, and has forgotten all moves.
-pub const GX_HOST_STOPPED: c_int = 7;
-/// Event: what `gx_host_control` asked for got no answer, or is not known there: code, `GX_CONTROL_*`.
-pub const GX_HOST_UNANSWERED: c_int = 8;
-
-/// Outcome: the move was carried out.
-pub const GX_HOST_FINISHED: c_int = 1;
-/// Outcome: the motion side did not accept the move. It was not carried out.
-pub const GX_HOST_REFUSED: c_int = 2;
-/// Outcome: the motion side accepted the move, and has stopped before it was carried out to its end.
-pub const GX_HOST_FAILED: c_int = 3;
-/// Outcome: it was not begun: one before it was refused or has failed, or the session ended before it was sent.
-pub const GX_HOST_DROPPED: c_int = 4;
-/// Outcome: no answer for too long, or the move lasted too long. Whether it was carried out is not known.
-pub const GX_HOST_TIMED_OUT: c_int = 5;
-/// Outcome: the motion side was restarted or has left the session. Whether the move was carried out is not known.
-pub const GX_HOST_LOST: c_int = 6;
-/// Outcome: a damaged command was carried out, says the check. The next names all axes, which corrects that.
-pub const GX_HOST_DEVIATED: c_int = 7;
-
-const _: () = {
-    assert!(GX_HOST_FINISHED == Outcome::Finished as c_int && GX_HOST_REFUSED == Outcome::Refused as c_int);
-    assert!(GX_HOST_FAILED == Outcome::Failed as c_int && GX_HOST_DROPPED == Outcome::Dropped as c_int);
-    assert!(GX_HOST_TIMED_OUT == Outcome::TimedOut as c_int && GX_HOST_LOST == Outcome::Lost as c_int);
-    assert!(GX_HOST_DEVIATED == Outcome::Deviated as c_int);
-};
-
-/// Something that happened.
-#[derive(Debug)]
-#[repr(C)]
-pub struct HostEvent {
-    /// What: one of `GX_HOST_ENDED` to `GX_HOST_UNANSWERED`.
-    pub kind: c_int,
-    /// Of `GX_HOST_ENDED`, one of `GX_HOST_FINISHED` to `GX_HOST_DEVIATED`; 0 of others.
-    pub outcome: c_int,
-    /// Of an error notice, and of `GX_HOST_ENDED` if one is the reason: `GX_FAULT_*`; see `GX_HOST_*`; else 0.
-    pub code: c_int,
-    /// Of `GX_HOST_ERROR`, the number that the notice names; of `GX_HOST_STATUS`, see there; else -1.
-    pub number: c_int,
-    /// Of `GX_HOST_REPORT`, `GX_HOST_DRIFT` and `GX_HOST_STOPPED`; other events leave it alone.
-    pub position: Vector,
-}
+pub mod event;
 
 /// Settings of a host session, times in milliseconds. 0 stands for the default everywhere.
 #[derive(Debug)]
@@ -117,7 +67,8 @@ pub struct HostSettings {
     pub gap_ms: c_ulong,
     /// How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit.
     pub attempts: c_int,
-    /// Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. Refused ones are sent again.
+    /// Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. More than the motion side
+    /// queues are refused by it, and sent again.
     pub window: c_int,
     /// Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too.
     pub ascii: c_int,
@@ -389,41 +340,4 @@ fn vector_of(target: &[i32; AXES], axes: c_int, velocity: c_int) -> Option<gx::V
         vector.set_velocity(u16::try_from(velocity).ok()?);
     }
     Some(vector)
-}
-
-/// Makes an event C's.
-fn write_event(to: &mut HostEvent, happened: Option<&Event<'_>>) {
-    let (mut outcome, mut code, mut number) = (0, 0, None);
-    let kind = match happened {
-        None => 0,
-        Some(Event::Ended(how, why)) => {
-            (outcome, code) = (*how as c_int, *why);
-            GX_HOST_ENDED
-        }
-        Some(event @ (Event::Report(position) | Event::Drift(position) | Event::Stopped(position))) => {
-            to.position.core_mut().copy(position);
-            match event {
-                Event::Report(_) => GX_HOST_REPORT,
-                Event::Drift(_) => GX_HOST_DRIFT,
-                _ => GX_HOST_STOPPED,
-            }
-        }
-        Some(Event::Error(why, of)) => {
-            (code, number) = (*why, *of);
-            GX_HOST_ERROR
-        }
-        Some(Event::Begun) => GX_HOST_BEGUN,
-        Some(Event::Status(status)) => {
-            (code, number) = (status.is_held.into(), Some(status.free.into()));
-            GX_HOST_STATUS
-        }
-        Some(Event::Unanswered(control)) => {
-            code = *control as u8;
-            GX_HOST_UNANSWERED
-        }
-    };
-    to.kind = kind;
-    to.outcome = outcome;
-    to.code = code.into();
-    to.number = number.map_or(-1, |number| int(number.into()));
 }

@@ -30,12 +30,13 @@
 use core::ffi::{c_int, c_long, c_ulong, c_void};
 
 use super::gx::{GX_RC_ERROR_GENERIC, GX_RC_NO_EVENT, GX_RC_SUCCESS, Vector, fill};
-use super::memory::{bytes_of, duration, int, long, time};
+use super::memory::{bytes_of, copy_counters, duration, int, long, time};
 use super::state::{Room, state};
 use crate::sizes::GX_QUEUE_MAX;
 use deltarobot_export::export;
 use deltarobot_protocols::gx::motion::{self, EventKind};
 use deltarobot_protocols::gx::{AXES, CODE_FREE, Fault, MASK_AXES, Numbered};
+use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
 
 /// Event: a move was queued, for `gx_motion_next` to fetch.
 pub const GX_MOTION_QUEUED: c_int = 1;
@@ -94,7 +95,7 @@ pub struct MotionSettings {
 }
 
 /// Counters of a motion side since it began; they wrap.
-#[derive(Debug)]
+#[derive(Debug, FromBytes, IntoBytes)]
 #[repr(C)]
 pub struct MotionHealth {
     /// Moves queued.
@@ -251,8 +252,9 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 
 /// Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
 /// the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
-/// firmware's own. A session is over. `gx_motion_set_position` has to be called before moves by deltas are taken; if the
-/// host wanted the stop, before this call: the position is reported then, and the velocity in force.
+/// firmware's own. A host with a session has to begin a new one. `gx_motion_set_position` has to be called before moves
+/// by deltas are taken; if the host wanted the stop, before this call: the position is reported then, and the velocity in
+/// force.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
 ///
@@ -275,9 +277,9 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
-/// holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
-/// or a value is not a position (28 bits): nothing changes then.
+/// Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
+/// deltas are added to. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or
+/// `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
 ///
 /// ```c
 /// int32_t steps[GX_AXES];
@@ -351,15 +353,10 @@ pub unsafe extern "C" fn gx_motion_unfinished(motion: *const Motion) -> c_int {
 #[export(gx)]
 pub unsafe extern "C" fn gx_motion_get_health(motion: *const Motion, health: *mut MotionHealth) -> c_int {
     // SAFETY: pointers are NULL or valid, and the objects do not overlap.
-    let (Some(motion), Some(to)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
+    let (Some(motion), Some(health)) = (unsafe { (Room::peek(motion), health.as_mut()) }) else {
         return GX_RC_ERROR_GENERIC;
     };
-    let health = motion.health();
-    to.moves = health.moves.into();
-    to.repeats = health.repeats.into();
-    to.refused = health.refused.into();
-    to.malformed = health.malformed.into();
-    to.reports = health.reports.into();
+    copy_counters::<5>(transmute_ref!(motion.health()), transmute_mut!(health));
     GX_RC_SUCCESS
 }
 

@@ -25,18 +25,21 @@
 //! }
 //! ```
 
-use core::ffi::{c_int, c_long, c_uchar, c_ulong, c_void};
+use core::ffi::{c_int, c_long, c_ulong, c_void};
 use core::mem::MaybeUninit;
 
 use super::memory::{bytes_of, copy_counters, duration, fill, int, long, short, time};
-use super::payload::{position_from, report_to};
-use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position, ProtocolMsg, StatusReport};
+use super::payload::position_from;
+use super::protocol::{DP_RC_ERROR_GENERIC, DP_RC_SUCCESS, Position};
 use super::state::{Room, state};
 use crate::sizes::DP_DATA_MAX_SIZE;
 use deltarobot_export::export;
-use deltarobot_protocols::deltarobot::host::{Busy, Event, Host as Session, Settings};
-use deltarobot_protocols::deltarobot::{Opcode, POSITION_SIZE, Report, receiver_room};
+use deltarobot_protocols::deltarobot::host::{Busy, Host as Session, Settings};
+use deltarobot_protocols::deltarobot::{POSITION_SIZE, receiver_room};
+use event::{HostEvent, event_to};
 use zerocopy::{FromBytes, IntoBytes, transmute_mut, transmute_ref};
+
+pub mod event;
 
 /// A request of this kind is going on, or its end was not fetched by `dp_host_poll` yet.
 pub const DP_RC_BUSY: c_int = 5;
@@ -107,48 +110,6 @@ pub struct HostHealth {
     pub rtt_max: c_ulong,
     /// Sum of the round-trip times: divided by `rtt_count`, their average.
     pub rtt_sum: c_ulong,
-}
-
-/// Event: a message was received; `msg` holds it. Only where the settings ask for these events.
-pub const DP_HOST_MESSAGE: c_int = 1;
-/// Event: a status report was received; `report` holds it, `state` its state.
-pub const DP_HOST_STATUS: c_int = 2;
-/// Event: the platform is in another state than before: `state`; `report` is the status report that says so.
-pub const DP_HOST_STATE: c_int = 3;
-/// Event: a general error was received.
-pub const DP_HOST_ERROR: c_int = 4;
-/// Event: the controller has accepted the operation `opcode`.
-pub const DP_HOST_ACCEPTED: c_int = 5;
-/// Event: the request `opcode` has ended as `outcome` says. Comes exactly once for each request.
-pub const DP_HOST_ENDED: c_int = 6;
-
-/// Outcome: the request was carried out.
-pub const DP_HOST_FINISHED: c_int = 1;
-/// Outcome: the controller did not accept the request.
-pub const DP_HOST_REFUSED: c_int = 2;
-/// Outcome: the controller accepted the operation, and could not carry it out.
-pub const DP_HOST_FAILED: c_int = 3;
-/// Outcome: the operation was cancelled: before it was ever sent, or the platform stands now.
-pub const DP_HOST_CANCELLED: c_int = 4;
-/// Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known.
-pub const DP_HOST_TIMED_OUT: c_int = 5;
-
-/// Something that happened.
-#[derive(Debug)]
-#[repr(C)]
-pub struct HostEvent {
-    /// What: one of `DP_HOST_MESSAGE` to `DP_HOST_ENDED`.
-    pub kind: c_int,
-    /// Of `DP_HOST_ACCEPTED` and `DP_HOST_ENDED`, the request: `DP_OPCODE_HOMING`, `MOVE`, `CANCEL` or `STATUS`.
-    pub opcode: c_uchar,
-    /// Of `DP_HOST_ENDED`, one of `DP_HOST_FINISHED` to `DP_HOST_TIMED_OUT`; 0 of others.
-    pub outcome: c_int,
-    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, one of `DP_STATUS_*`; -1 of others.
-    pub state: c_int,
-    /// Of `DP_HOST_STATUS` and `DP_HOST_STATE`, the report. Other events leave it alone.
-    pub report: StatusReport,
-    /// Of `DP_HOST_MESSAGE`, the message. Other events may have changed it.
-    pub msg: ProtocolMsg,
 }
 
 /// Words of a session's room.
@@ -374,51 +335,6 @@ pub unsafe extern "C" fn dp_host_get_health(host: *const Host, health: *mut Host
     };
     copy_counters::<12>(transmute_ref!(session.health()), transmute_mut!(health));
     DP_RC_SUCCESS
-}
-
-/// Hands an event to C, or that there is none. The payload of a message is there already; the report is the last one.
-///
-/// # Safety
-///
-/// out points to a writable event, whose contents may be uninitialised.
-unsafe fn event_to(out: *mut HostEvent, event: Option<Event>, report: Option<&Report>) {
-    let (mut opcode, mut outcome) = (Opcode(0), 0);
-    let kind = match event {
-        None => 0,
-        Some(Event::Message(received, length)) => {
-            // SAFETY: writable by the contract.
-            unsafe {
-                (*out).msg.opcode = received.0;
-                (*out).msg.data_s = int(length);
-                (*out).msg.checksum_ok = 1;
-            }
-            DP_HOST_MESSAGE
-        }
-        Some(Event::Status) => DP_HOST_STATUS,
-        Some(Event::State) => DP_HOST_STATE,
-        Some(Event::GeneralError) => DP_HOST_ERROR,
-        Some(Event::Accepted(accepted)) => {
-            opcode = accepted;
-            DP_HOST_ACCEPTED
-        }
-        Some(Event::Ended(ended, how)) => {
-            // The outcomes have the numbers of DP_HOST_FINISHED to DP_HOST_TIMED_OUT.
-            (opcode, outcome) = (ended, how as c_int);
-            DP_HOST_ENDED
-        }
-    };
-    let report = report.filter(|_| matches!(kind, DP_HOST_STATUS | DP_HOST_STATE));
-    // SAFETY: writable by the contract.
-    unsafe {
-        (*out).kind = kind;
-        (*out).opcode = opcode.0;
-        (*out).outcome = outcome;
-        // The states have the numbers of DP_STATUS_*.
-        (*out).state = report.map_or(-1, |report| report.state() as c_int);
-        if let Some(report) = report {
-            report_to(&raw mut (*out).report, report);
-        }
-    }
 }
 
 type State = <Host as Room>::State;

@@ -42,7 +42,7 @@ layouts! {
         timeouts: c_ulong, retransmissions: c_ulong, rtt_count: c_ulong, rtt_last: c_ulong, rtt_min: c_ulong,
         rtt_max: c_ulong, rtt_sum: c_ulong,
     }
-    dp_host_event = host::HostEvent {
+    dp_host_event = host::event::HostEvent {
         kind: c_int, opcode: c_uchar, outcome: c_int, state: c_int, report: protocol::StatusReport,
         msg: protocol::ProtocolMsg,
     }
@@ -108,7 +108,7 @@ layouts! {
         moves: c_ulong, repeats: c_ulong, completions: c_ulong, errors: c_ulong, strays: c_ulong, reports: c_ulong,
         malformed: c_ulong, timeouts: c_ulong, sessions: c_ulong, deviations: c_ulong,
     }
-    gx_host_event = gx_host::HostEvent {
+    gx_host_event = gx_host::event::HostEvent {
         kind: c_int, outcome: c_int, code: c_int, number: c_int, position: gx::Vector,
     }
     gx_motion_settings = gx_motion::MotionSettings {

@@ -7,6 +7,7 @@ use std::ffi::{c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 use deltarobot::gx::{GX_ENCODED_MAX, Vector};
+use deltarobot::gx_host::event::*;
 use deltarobot::gx_host::{self, *};
 use deltarobot::gx_motion::{self, *};
 use deltarobot::sizes::{GX_QUEUE_MAX, GX_WINDOW_MAX};

@@ -8,6 +8,7 @@ use std::ffi::{c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 use deltarobot::controller::Controller;
+use deltarobot::host::event::*;
 use deltarobot::host::*;
 use deltarobot::protocol::Position;
 use deltarobot::sizes::DP_DATA_MAX_SIZE;

@@ -110,9 +110,9 @@ plain! {
     contouring_protocol: CPVectorCommand CPPackedVectorCommandBuffer;
 }
 events! {
-    host::HostEvent;
+    host::event::HostEvent;
     line_host::HostEvent;
-    gx_host::HostEvent;
+    gx_host::event::HostEvent;
     gx_motion::MotionEvent;
 }
 impl Plain for deltarobot::gx::write::Contour {}

@@ -34,10 +34,12 @@
  *
  * Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
  * reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
- * When the motion side is switched off and on, or reset, that takes only_in_order there (gx_motion.h): moves are
- * reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
- * be. Commands have no checksum: a flipped bit, a lost mask, ASCII digit or several lost bytes can make another move,
- * which is carried out and reported as GX_HOST_DEVIATED; the next corrects it.
+ * The same holds when the motion side is switched off and on, or reset, if it has only_in_order set (gx_motion.h): moves
+ * are reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
+ * be.
+ *
+ * Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
+ * several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/gx_host.rs by `make header`.
@@ -119,7 +121,8 @@ struct gx_host_settings {
   /** How often something is sent without an answer, or a session begun in vain; by default 8. Below 0: no limit. */
   int attempts;
   /**
-   * Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. Refused ones are sent again.
+   * Most moves that are sent and unfinished at a time: 1 to `GX_WINDOW_MAX`, the default. More than the motion side
+   * queues are refused by it, and sent again.
    */
   int window;
   /** Not 0: commands are sent in ASCII, without short forms; position reports come in ASCII too. */

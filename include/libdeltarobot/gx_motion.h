@@ -215,8 +215,9 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
 /**
  * Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
  * the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
- * firmware's own. A session is over. `gx_motion_set_position` has to be called before moves by deltas are taken; if the
- * host wanted the stop, before this call: the position is reported then, and the velocity in force.
+ * firmware's own. A host with a session has to begin a new one. `gx_motion_set_position` has to be called before moves
+ * by deltas are taken; if the host wanted the stop, before this call: the position is reported then, and the velocity in
+ * force.
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
@@ -228,9 +229,9 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED(gx_motion_stop);
 
 /**
- * Says where the machine is: for position reports, and for deltas of axes that no move has said the place of. position
- * holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL
- * or a value is not a position (28 bits): nothing changes then.
+ * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
+ * deltas are added to. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or
+ * `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
  *
  * ```c
  * int32_t steps[GX_AXES];

@@ -62,6 +62,8 @@ extern "C" {
 #define DP_RC_NO_EVENT 6
 /** Room for what is to be sent at a time: three requests. */
 #define DP_HOST_OUTPUT_MAX 27
+/** Words of a session's room. */
+#define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
 /** Event: a message was received; `msg` holds it. Only where the settings ask for these events. */
 #define DP_HOST_MESSAGE 1
 /** Event: a status report was received; `report` holds it, `state` its state. */
@@ -84,8 +86,6 @@ extern "C" {
 #define DP_HOST_CANCELLED 4
 /** Outcome: too many answers stayed away, or the operation lasted too long. What the platform does is not known. */
 #define DP_HOST_TIMED_OUT 5
-/** Words of a session's room. */
-#define DP_HOST_WORDS ((DP_DATA_MAX_SIZE / 4) + 56)
 
 /** A session. All zero is one with the default settings. */
 struct dp_host {

@@ -13,7 +13,8 @@ pub struct Settings {
     pub ack_ms: u32,
     /// The longest time from sending a request to its answer's arrival, if it comes at all; by default 500.
     pub guard_ms: u32,
-    /// How long after the ack IDLE does not end an operation that was not seen running; not below guard, by default 500.
+    /// For how long after its ack IDLE does not end an operation that was not seen running; not below `guard_ms`, by
+    /// default 500.
     pub settle_ms: u32,
     /// During an operation the status is requested when no report came for this long; by default 200.
     pub poll_ms: u32,

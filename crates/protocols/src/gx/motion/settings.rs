@@ -1,6 +1,6 @@
 //! The settings of a motion side, and its counters.
 
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::gx::MASK_AXES;
 
@@ -33,7 +33,8 @@ impl Settings {
 }
 
 /// Counters of a motion side since it began; they wrap.
-#[derive(Clone, Debug, Default, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Debug, Default, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[repr(C)]
 pub struct Health {
     /// Moves queued.
     pub moves: u32,

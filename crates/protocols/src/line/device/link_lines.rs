@@ -162,6 +162,7 @@ fn add_id(line: &mut Encoder, id: &[u8]) {
 
 #[cfg(test)]
 mod tests {
+    use super::Fault::{Checksum, Malformed, Overflow, Refused, TooLong, UnknownCommand, UnknownId};
     use super::*;
     use crate::line::device::ID_MAX;
 
@@ -178,7 +179,10 @@ mod tests {
         assert_ne!(device.write(LinkLine::Setup, &id, &mut room), 0);
         device.lines.next = 255;
         assert_ne!(device.write(LinkLine::SetupAnswer, &id, &mut room), 0);
-        // The longest code, in place of an answer, whatever room that may have.
-        assert_ne!(device.write(LinkLine::Answer(Fault::UnknownCommand), &id, &mut [0; 64]), 0);
+        for fault in [Checksum, Overflow, Malformed, UnknownId, UnknownCommand, Refused, TooLong] {
+            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut room), 0);
+            // In place of an answer, whatever room that may have.
+            assert_ne!(device.write(LinkLine::Answer(fault), &id, &mut [0; 64]), 0);
+        }
     }
 }
