@@ -154,6 +154,27 @@ static void is_repeated_and_times_out(void)
     CHECK(sends("H"));
 }
 
+/* As often as the settings say: 1 to 255 times, and once when they say less. */
+static void is_sent_as_often_as_the_settings_say(void)
+{
+    static const int ATTEMPTS[][2] = {{-1, 1}, {1, 1}, {2, 2}, {255, 255}, {1000, 255}};
+    int i, sent;
+    for (i = 0; i < 5; ++i) {
+        struct dp_host_settings settings;
+        memset(&settings, 0, sizeof settings);
+        settings.attempts = ATTEMPTS[i][0];
+        begin();
+        dp_host_init(&host, &settings);
+        dp_host_home(&host);
+        for (sent = 0; sent < ATTEMPTS[i][1]; ++sent) {
+            CHECK(tells_nothing());
+            CHECK(sends("H"));
+            pass(250);
+        }
+        CHECK(tells(DP_HOST_ENDED, 'H', DP_HOST_TIMED_OUT));
+    }
+}
+
 /* The ack of the first sending comes after the second. */
 static void late_ack_accepts_once(void)
 {
@@ -365,6 +386,7 @@ static void next_one_waits_where_frames_double(void)
 
 static void goes_silent(void)
 {
+    unsigned long began;
     int i;
     move_accepted();
     for (i = 0; i < 14; ++i) {
@@ -375,12 +397,16 @@ static void goes_silent(void)
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
 
     move_accepted(); /* talks, but never ends */
+    began = now;
     for (i = 0; i < 1199; ++i) {
         pass(100);
         comes_report(DP_STATUS_MOVING, 0.5f);
         CHECK(sends(""));
     }
-    pass(100);
+    now = began;
+    pass(120000 - 5 - 1); /* of two minutes, 5 ms went by before it was accepted */
+    CHECK(tells_nothing());
+    pass(1);
     CHECK(tells(DP_HOST_ENDED, 'M', DP_HOST_TIMED_OUT));
 }
 
@@ -392,6 +418,7 @@ int main(void)
     fails();
     is_refused();
     is_repeated_and_times_out();
+    is_sent_as_often_as_the_settings_say();
     late_ack_accepts_once();
     refusal_of_a_repeat_is_doubted();
     reports_show_that_it_goes_on();
