@@ -32,9 +32,9 @@
 //!
 //! Whatever the line loses, delays or splits, when the machine stops, and when the host is begun again, a move is
 //! reported as finished only if it was carried out, once and in order, and as refused or dropped only if it was not.
-//! The same holds when the motion side is switched off and on, or reset, if it has only_in_order set (gx_motion.h): moves
-//! are reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it believes to
-//! be.
+//! The same holds when the motion side is switched off and on, or reset, if it has only_in_order set (gx_motion.h):
+//! moves are reported as lost then. Else it carries out again what is sent again, and moves by deltas from where it
+//! believes to be.
 //!
 //! Commands have no checksum: a flipped bit can make another move of one, and so can lost bytes (in binary a mask or
 //! several in a row, in ASCII any digit). It is carried out, and reported as GX_HOST_DEVIATED; the next corrects it.

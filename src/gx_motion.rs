@@ -253,8 +253,8 @@ pub unsafe extern "C" fn gx_motion_done(motion: *mut Motion) -> c_int {
 /// Says that the machine has stopped: what was fetched or queued is dropped, which the host hears by an error notice of
 /// the oldest move that has a number. code is that notice's: 0 stands for `GX_FAULT_STOPPED`; 64 to 127 are the
 /// firmware's own. A host with a session has to begin a new one. `gx_motion_set_position` has to be called before moves
-/// by deltas are taken; if the host wanted the stop, before this call: the position is reported then, and the velocity in
-/// force.
+/// by deltas are taken; if the host wanted the stop, before this call: the position is reported then, and the velocity
+/// in force.
 ///
 /// Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
 ///
