@@ -22,14 +22,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     println!("cargo::rerun-if-env-changed=DP_SIZES_DIR");
-    println!("cargo::rerun-if-changed=src/sizes.mk");
-    println!("cargo::rerun-if-changed=src/exports.txt");
+    println!("cargo::rerun-if-changed=src");
     let dir = env::var("DP_SIZES_DIR").unwrap_or(out);
     fs::create_dir_all(&dir)?;
+    let mut symbols = Vec::new();
+    find_exports(Path::new("src"), &sizes, &mut symbols)?;
+    symbols.sort();
     let (mut exports, mut attributes) = (String::new(), String::new());
-    for name in fs::read_to_string("src/exports.txt")?.lines() {
-        let family = name.split('_').next().unwrap_or_default().to_uppercase();
-        let symbol = name.replace("@SIZES@", &suffix(&sizes, &family));
+    for symbol in symbols {
         writeln!(exports, "{symbol}")?;
         if !symbol.starts_with("dp_serial_") {
             writeln!(attributes, "{symbol},frame-pointer=none")?;
@@ -42,6 +42,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         let path = Path::new(&dir).join(name);
         if !fs::read(&path).is_ok_and(|old| old == text.as_bytes()) {
             fs::write(path, text)?;
+        }
+    }
+    Ok(())
+}
+
+/// Finds the functions marked `#[export]` below a directory, and lists the one or two symbols that each has.
+fn find_exports(directory: &Path, sizes: &[Size], symbols: &mut Vec<String>) -> Result<(), Box<dyn Error>> {
+    for entry in fs::read_dir(directory)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            find_exports(&path, sizes, symbols)?;
+        }
+        // Emacs marks a file that is being edited by a link to nothing.
+        if !path.is_file() || path.extension().is_none_or(|extension| extension != "rs") {
+            continue;
+        }
+        for piece in fs::read_to_string(path)?.split("\n#[export").skip(1) {
+            let (family, function) = piece.split_once(']').ok_or("#[export without an end")?;
+            let (_, function) = function.split_once(" fn ").ok_or("#[export] without a function")?;
+            let name = function.split('(').next().unwrap_or_default();
+            symbols.push(name.into());
+            if !family.is_empty() {
+                symbols.push(format!("{name}_{}", suffix(sizes, &family.trim_matches(['(', ')']).to_uppercase())));
+            }
         }
     }
     Ok(())

@@ -64,7 +64,8 @@ for fn in dp_process dp_recv dp_send; do measure "$fn" "$fn"; done
 original=$whole
 measure "these three" dp_process dp_recv dp_send
 original=
-all=$(sed '/@\|^dp_serial_/d' "$here/../src/exports.txt")
+# Without their second names, which end in the sizes.
+all=$("${prefix}nm" --extern-only --defined-only "$archive" | sed -n 's/.* T //p' | grep -v '_[0-9]*$' | sort -u)
 for fn in $all; do
     case $fn in dp_process | dp_recv | dp_send) ;; *) measure "$fn" "$fn" ;; esac
 done

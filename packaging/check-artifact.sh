@@ -41,7 +41,7 @@ check_exports() {
     file=$1
     shift
     found=$(names --extern-only --defined-only "$@" "$file")
-    [ "$found" = "$wanted" ] || fail "$file does not export what src/exports.txt says, but: $found"
+    [ "$found" = "$wanted" ] || fail "$file does not export what is marked #[export], but: $found"
     missing=$(names --undefined-only "$@" "$file" | sed 's/@.*//' | grep -vxF "$allowed" || true)
     [ -z "$missing" ] || fail "$file needs symbols from elsewhere: $missing"
 }

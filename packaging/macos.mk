@@ -5,7 +5,7 @@ OBJECTS := $(STAGE)/deltarobot.o
 $(OBJECTS): $(STAGE)/cargo.a packaging/macos.mk
 	$(Q)cd $(@D) && member=$$($(AR) t $(<F) | grep '^deltarobot-') && $(AR) x $(<F) $$member && mv -f $$member $(@F)
 
-$(STAGE)/exports: $(STAGE)/cargo.a src/exports.txt
+$(STAGE)/exports: $(STAGE)/cargo.a
 	$(Q)printf '_%s\n' $(EXPORTS) >$@
 $(STAGE)/libdeltarobot.$(VERSION).dylib: $(STAGE)/deltarobot.o $(STAGE)/exports
 	$(Q)$(CC) -dynamiclib -o $@ $< -Wl,-exported_symbols_list,$(STAGE)/exports -Wl,-dead_strip \

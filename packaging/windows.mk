@@ -7,7 +7,7 @@ $(OBJECTS): $(STAGE)/cargo.a packaging/windows.mk
 	$(Q)cd $(@D) && member=$$($(AR) t $(<F) | grep '^deltarobot-') && $(AR) x $(<F) $$member && mv -f $$member $(@F)
 	$(Q)$(OBJCOPY) -R .llvmbc -R .llvmcmd $@
 
-$(STAGE)/deltarobot.def: $(STAGE)/cargo.a src/exports.txt
+$(STAGE)/deltarobot.def: $(STAGE)/cargo.a
 	$(Q)printf '%s\n' 'LIBRARY deltarobot.dll' EXPORTS $(EXPORTS) >$@
 $(STAGE)/deltarobot.dll: $(STAGE)/deltarobot.o $(STAGE)/deltarobot.def
 	$(Q)$(CROSS_COMPILE)gcc -shared -nostdlib -o $@ $^ -lkernel32 \
