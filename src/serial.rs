@@ -202,7 +202,7 @@ pub unsafe extern "C" fn dp_serial_discard(serial: *mut Serial) -> c_int {
     run(unsafe { opened(serial) }, system::discard)
 }
 
-/// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
+/// Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on.
 ///
 /// Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when there is no such line, as in a pseudo-terminal, or the device has
 /// disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or closed.

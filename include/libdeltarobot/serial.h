@@ -164,7 +164,7 @@ int dp_serial_drain(struct dp_serial *serial);
 int dp_serial_discard(struct dp_serial *serial);
 
 /**
- * Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on:
+ * Sets DTR: on is `DP_SERIAL_ON` or 1, or `DP_SERIAL_OFF` or 0. An Arduino resets when it goes on.
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when there is no such line, as in a pseudo-terminal, or the device has
  * disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or closed.
