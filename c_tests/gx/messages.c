@@ -422,6 +422,7 @@ static void what_can_not_be_written(void)
     target.mask = 0x43;
     CHECK_INT(gx_write_move(GX_BINARY, &too_large, &target, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_completed(&too_large, room, sizeof room), -GX_RC_RANGE);
+    CHECK_INT(gx_write_confirmed(&too_large, 1, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_refused(GX_BINARY, NULL, 128, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_refused(GX_BINARY, NULL, -1, room, sizeof room), -GX_RC_RANGE);
     CHECK_INT(gx_write_refused(GX_BINARY, NULL, 256, room, sizeof room), -GX_RC_RANGE);

@@ -190,10 +190,7 @@ pub unsafe extern "C" fn gx_write_confirmed(
     let check = u8::try_from(check).unwrap_or(u8::MAX);
     // SAFETY: pointers are NULL or valid, and cap is buf's size.
     unsafe {
-        write(number, buf, cap, |number, room| {
-            let number = number.ok_or(EncodeError::Empty)?;
-            gx::write_confirmed(number.format, number.value, check, room)
-        })
+        write(number, buf, cap, |number, room| gx::write_confirmed(number.ok_or(EncodeError::Empty)?, check, room))
     }
 }
 

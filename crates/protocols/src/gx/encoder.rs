@@ -114,12 +114,13 @@ pub fn write_control(format: Format, number: Option<Number>, control: Control, r
     out.length()
 }
 
-/// The notice that the move whose number ends in these seven bits was carried out in a session, with its
-/// [check](Vector::check).
-pub fn write_confirmed(format: Format, number: u16, check: u8, room: &mut [u8]) -> Written {
+/// The notice that the move with this number, of which it says the lowest seven bits, was carried out in a session; with
+/// its [check](Vector::check).
+pub fn write_confirmed(number: Number, check: u8, room: &mut [u8]) -> Written {
+    in_number_range(Some(number))?;
     in_range(check <= CODE_MAX)?;
     let mut out = Out::new(room);
-    out.word(b'&', confirmation(number, check), format);
+    out.word(b'&', confirmation(number.value, check), number.format);
     out.length()
 }
 

@@ -2,7 +2,7 @@
 
 use super::message::{Format, Kind, Number, Status};
 use super::receiver::Receiver;
-use super::vector::{Vector, bit};
+use super::vector::Vector;
 
 /// A command or notice that a [`Receiver`] found, apart from it: for programs that keep or print them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +34,10 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     /// What was found by the last call, which returned this kind.
     pub fn item(&self, kind: Kind) -> Item {
         let number = self.number();
-        let mut vector = *self.vector();
-        let mask = vector.mask;
-        for (axis, value) in vector.axes.iter_mut().enumerate() {
-            *value = if mask & bit(axis) == 0 { 0 } else { *value };
-        }
+        // Without what is left of the vectors before.
+        let found = self.vector();
+        let axes = core::array::from_fn(|axis| found.axis(axis).unwrap_or_default());
+        let vector = Vector { velocity: found.velocity().unwrap_or_default(), mask: found.mask, axes };
         let message = match kind {
             Kind::Move => Message::Move(vector),
             Kind::Step => Message::Step(vector),
@@ -56,5 +55,23 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
         };
         let format = if kind == Kind::Completed { self.number.format() } else { self.format() };
         Item { number, format, message }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Message, Vector};
+    use crate::gx::CommandReceiver;
+
+    #[test]
+    fn values_that_are_not_flagged_are_zero() {
+        let mut receiver = CommandReceiver::new();
+        for (line, vector) in [
+            (&b"V7x1y-2\n"[..], Vector { velocity: 7, mask: 0x43, axes: [1, -2, 0, 0, 0, 0] }),
+            (b"c3\n", Vector { velocity: 0, mask: 0x20, axes: [0, 0, 0, 0, 0, 3] }),
+        ] {
+            let (_, kind) = receiver.receive(line);
+            assert_eq!(receiver.item(kind.unwrap()).message, Message::Move(vector));
+        }
     }
 }
