@@ -68,6 +68,7 @@ pub(super) fn number(number: c_int) -> i32 {
 }
 
 /// Copies counters into a struct of C's that consists of as many, in the same order.
+#[allow(clippy::useless_conversion, reason = "where unsigned long has 32 bits")]
 pub(super) fn copy_counters<const COUNT: usize>(from: &[u32; COUNT], to: &mut [c_ulong; COUNT]) {
     for (place, counter) in to.iter_mut().zip(from) {
         *place = (*counter).into();

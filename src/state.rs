@@ -1,7 +1,5 @@
 //! State that callers allocate: what C sees is room, what lies in it belongs to the core.
 
-use core::ffi::c_ulong;
-
 use crate::memory::zero;
 
 /// What rooms consist of whose states hold pointers: in 64-bit Windows these are larger than a C `long`.
@@ -9,7 +7,7 @@ use crate::memory::zero;
 pub(crate) type Word = usize;
 /// What rooms consist of whose states hold pointers.
 #[cfg(not(all(windows, target_pointer_width = "64")))]
-pub(crate) type Word = c_ulong;
+pub(crate) type Word = core::ffi::c_ulong;
 
 /// A struct of the C ABI that is nothing but room for a state of the core's.
 ///
