@@ -54,8 +54,8 @@ SHARED_FILES.macos   := libdeltarobot.$(VERSION).dylib libdeltarobot.$(MAJOR).dy
 SHARED_FILES.windows := deltarobot.dll libdeltarobot.dll.a deltarobot.def
 SHARED_FILES         := $(SHARED_FILES.$(SYSTEM))
 # What the library exports, of which the serial port is a part that can be left out.
-NAMES   = $(shell cat $(GENERATED)/exports.txt)
-EXPORTS = $(filter-out $(if $(filter yes,$(SERIAL)),,dp_serial_%),$(NAMES))
+EXPORTS = $(filter-out $(if $(WITH_SERIAL),,dp_serial_%),$(shell cat $(GENERATED)/exports.txt))
+WITH_SERIAL := $(filter yes,$(SERIAL))
 
 # Cargo's files (several OUTs can share them, one after the other), and the finished ones before they are put into
 # $(OUT): a plain `cargo build --release` writes its own libdeltarobot.a and .so into target/release.
@@ -76,7 +76,7 @@ IN_PLACE       ?= $(if $(filter target/release target/firmware/%,$(OUT)),yes)
 IN_PLACE_SIZES := include/libdeltarobot/sizes_in_place.h
 
 HEADERS := $(patsubst include/%,%,$(filter-out $(IN_PLACE_SIZES),$(wildcard include/*.h include/libdeltarobot/*.h)))
-HEADERS := $(filter-out $(if $(filter yes,$(SERIAL)),,%/serial.h),$(HEADERS))
+HEADERS := $(filter-out $(if $(WITH_SERIAL),,%/serial.h),$(HEADERS))
 SHIPPED := $(STAGE)/libdeltarobot.a
 ifeq ($(SHARED),yes)
 SHIPPED += $(STAGE)/$(firstword $(SHARED_FILES))
@@ -121,7 +121,7 @@ $(STAGE)/cargo.a: FORCE
 	$(Q)mkdir -p $(STAGE)
 	+$(Q)DP_SIZES_DIR='$(GENERATED)' RUSTFLAGS='$(RUSTFLAGS) -C llvm-args=-disable-loop-idiom-all' \
 	    $(CARGO) rustc $(QUIET) --lib --release --no-default-features \
-	    --features panic-handler$(if $(filter yes,$(SERIAL)),$(,)serial) \
+	    --features panic-handler$(if $(WITH_SERIAL),$(,)serial) \
 	    --crate-type staticlib$(if $(filter yes,$(CDYLIB)),$(,)cdylib) \
 	    --target-dir $(CARGO_DIR) $(if $(DP_TARGET),--target $(DP_TARGET)) \
 	    -- $(NO_FRAME_POINTERS) $(if $(CDYLIB),-C link-arg=-Wl$(,)-soname$(,)$(SONAME) -C link-arg=-nostdlib \
@@ -143,7 +143,7 @@ $(STAGE)/cargo.so: $(STAGE)/cargo.a ;
 HELPERS :=
 BARE    := $(findstring -none,$(DP_TARGET))
 ifeq ($(SYSTEM),elf)
-PARTS   := $(if $(BARE),,receiver payload sessions line gx kinematics) $(if $(filter yes,$(SERIAL)),serial)
+PARTS   := $(if $(BARE),,receiver payload sessions line gx kinematics) $(if $(WITH_SERIAL),serial)
 receiver   := dp_receiver_%
 payload    := dp_build% dp_read% dp_msg% dp_opcode_name%
 sessions   := dp_host_% dp_controller_%

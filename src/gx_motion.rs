@@ -277,9 +277,9 @@ pub unsafe extern "C" fn gx_motion_stop(motion: *mut Motion, code: c_int) -> c_i
     GX_RC_SUCCESS
 }
 
-/// Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
-/// deltas are added to. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or
-/// `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
+/// Says where the machine is: position reports give this, and moves by deltas begin here on axes that no move has
+/// positioned yet. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC`
+/// when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
 ///
 /// ```c
 /// int32_t steps[GX_AXES];

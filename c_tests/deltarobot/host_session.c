@@ -158,8 +158,9 @@ static void is_repeated_and_times_out(void)
 static void is_sent_as_often_as_the_settings_say(void)
 {
     static const int ATTEMPTS[][2] = {{-1, 1}, {1, 1}, {2, 2}, {255, 255}, {1000, 255}};
-    int i, sent;
-    for (i = 0; i < 5; ++i) {
+    size_t i;
+    int sent;
+    for (i = 0; i < sizeof ATTEMPTS / sizeof ATTEMPTS[0]; ++i) {
         struct dp_host_settings settings;
         memset(&settings, 0, sizeof settings);
         settings.attempts = ATTEMPTS[i][0];

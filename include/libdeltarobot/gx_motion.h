@@ -229,9 +229,9 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED(gx_motion_stop);
 
 /**
- * Says where the machine is: for position reports, and, as long as no move has said where an axis is, as that which
- * deltas are added to. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or
- * `GX_RC_ERROR_GENERIC` when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
+ * Says where the machine is: position reports give this, and moves by deltas begin here on axes that no move has
+ * positioned yet. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC`
+ * when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
  *
  * ```c
  * int32_t steps[GX_AXES];

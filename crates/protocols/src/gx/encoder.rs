@@ -114,8 +114,8 @@ pub fn write_control(format: Format, number: Option<Number>, control: Control, r
     out.length()
 }
 
-/// The notice that the move with this number, of which it says the lowest seven bits, was carried out in a session; with
-/// its [check](Vector::check).
+/// The notice that the move with this number was carried out in a session, with its [check](Vector::check). Only the
+/// lowest seven bits of the number are sent.
 pub fn write_confirmed(number: Number, check: u8, room: &mut [u8]) -> Written {
     in_number_range(Some(number))?;
     in_range(check <= CODE_MAX)?;

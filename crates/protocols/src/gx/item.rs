@@ -34,7 +34,7 @@ impl<const NOTICES: bool> Receiver<NOTICES> {
     /// What was found by the last call, which returned this kind.
     pub fn item(&self, kind: Kind) -> Item {
         let number = self.number();
-        // Without what is left of the vectors before.
+        // What the mask does not flag is left over from earlier vectors.
         let found = self.vector();
         let axes = core::array::from_fn(|axis| found.axis(axis).unwrap_or_default());
         let vector = Vector { velocity: found.velocity().unwrap_or_default(), mask: found.mask, axes };
