@@ -92,8 +92,12 @@ test('the last 50,000 messages are kept, and read with a scroll bar', async () =
   await says(page, '#traffic-rows', /^20:01:40\.000host/);
   await page.keyboard.press('PageDown');
   await says(page, '#traffic-rows', /^20:01:40\.0[1-9]0host/);
+  // Were the list's height to change while it is read, End would miss the end.
+  const height = () => page.evaluate(() => document.querySelector('#traffic-scroll')?.scrollHeight);
+  const atFirst = await height();
   await page.evaluate(() => { const scroll = document.querySelector('#traffic-scroll'); if (scroll) scroll.scrollTop = scroll.scrollHeight / 2; });
   await says(page, '#traffic-rows', /^20:05:(49|50)\./);
+  assert.equal(await height(), atFirst);
   await page.keyboard.press('End');
   await says(page, '#traffic-rows', /20:09:59\.990host/);
   await page.fill('#traffic-filter', 'no such');
