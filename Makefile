@@ -54,8 +54,8 @@ SHARED_FILES.macos   := libdeltarobot.$(VERSION).dylib libdeltarobot.$(MAJOR).dy
 SHARED_FILES.windows := deltarobot.dll libdeltarobot.dll.a deltarobot.def
 SHARED_FILES         := $(SHARED_FILES.$(SYSTEM))
 # What the library exports, of which the serial port is a part that can be left out.
-EXPORTS = $(filter-out $(if $(WITH_SERIAL),,dp_serial_%),$(shell cat $(GENERATED)/exports.txt))
 WITH_SERIAL := $(filter yes,$(SERIAL))
+EXPORTS      = $(filter-out $(if $(WITH_SERIAL),,dp_serial_%),$(shell cat $(GENERATED)/exports.txt))
 
 # Cargo's files (several OUTs can share them, one after the other), and the finished ones before they are put into
 # $(OUT): a plain `cargo build --release` writes its own libdeltarobot.a and .so into target/release.
