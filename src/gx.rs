@@ -57,7 +57,7 @@ pub const GX_STATUS: c_int = 10;
 
 /// The status.
 pub const GX_CONTROL_QUERY: c_int = 0;
-/// To hold now: to stop for now, in the middle of a move too.
+/// To hold now: to pause, in the middle of a move too.
 pub const GX_CONTROL_HOLD: c_int = 1;
 /// To go on.
 pub const GX_CONTROL_RESUME: c_int = 2;

@@ -48,7 +48,7 @@ pub const GX_MOTION_REFUSED: c_int = 3;
 pub const GX_MOTION_BEGUN: c_int = 4;
 /// Event: a host has asked for position reports, without beginning a session: period. There is nothing to do.
 pub const GX_MOTION_REPORTING: c_int = 5;
-/// Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves.
+/// Event: a host wants the machine to hold, that is, to pause. `gx_motion_next` hands out no moves.
 pub const GX_MOTION_HOLD: c_int = 6;
 /// Event: a host wants the machine to go on.
 pub const GX_MOTION_RESUME: c_int = 7;

@@ -73,7 +73,7 @@ extern "C" {
 #define GX_STATUS 10
 /** The status. */
 #define GX_CONTROL_QUERY 0
-/** To hold now: to stop for now, in the middle of a move too. */
+/** To hold now: to pause, in the middle of a move too. */
 #define GX_CONTROL_HOLD 1
 /** To go on. */
 #define GX_CONTROL_RESUME 2

@@ -75,7 +75,7 @@ extern "C" {
 #define GX_MOTION_BEGUN 4
 /** Event: a host has asked for position reports, without beginning a session: period. There is nothing to do. */
 #define GX_MOTION_REPORTING 5
-/** Event: a host wants the machine to hold, that is, to stop for now. `gx_motion_next` hands out no moves. */
+/** Event: a host wants the machine to hold, that is, to pause. `gx_motion_next` hands out no moves. */
 #define GX_MOTION_HOLD 6
 /** Event: a host wants the machine to go on. */
 #define GX_MOTION_RESUME 7

@@ -20,7 +20,7 @@ pub enum EventKind {
     Begun = 4,
     /// The position is to be reported each so many milliseconds; 0: not any more. (The library does that.)
     Reporting = 5,
-    /// A host wants the machine to hold, that is, to stop for now: no further moves are handed out.
+    /// A host wants the machine to hold, that is, to pause: no further moves are handed out.
     Hold = 6,
     /// A host wants the machine to go on.
     Resume = 7,
