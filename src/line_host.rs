@@ -136,7 +136,7 @@ pub unsafe extern "C" fn olp_host_setup(
     windowsize: c_long,
 ) -> c_int {
     let window = u16::try_from(windowsize).ok();
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: host is NULL or a session, id NULL or a string.
     let (Some(host), Some(id), true) =
         (unsafe { Host::get(host) }, unsafe { text_of(id) }, window.is_some() || windowsize < 0)
     else {
@@ -168,7 +168,7 @@ pub unsafe extern "C" fn olp_host_send(
     length: c_int,
     id: *const c_char,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: host is NULL or a session, command NULL or of that length, id NULL or a string.
     match unsafe { (Host::get(host), bytes_of(command.cast(), length), text_of(id)) } {
         (Some(host), Some(command), Some(id)) => handle(host.send(command, id)),
         _ => -OLP_RC_ERROR_GENERIC,
@@ -187,7 +187,7 @@ pub unsafe extern "C" fn olp_host_send(
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_receive(host: *mut Host, buf: *const c_void, bytes: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: host is NULL or a session; bytes is buf's size.
     match unsafe { (Host::get(host), bytes_of(buf, bytes)) } {
         (Some(host), Some(input)) => int(host.receive(input, time(now_ms))),
         _ => -OLP_RC_ERROR_GENERIC,
@@ -236,7 +236,7 @@ pub unsafe extern "C" fn olp_host_poll(host: *mut Host, now_ms: c_ulong, event: 
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap: c_int, now_ms: c_ulong) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: host is NULL or a session; cap is buf's size.
     let written =
         unsafe { Host::get(host).and_then(|host| fill(buf, cap, |line, room| host.output(line, room, time(now_ms)))) };
     written.unwrap_or(-OLP_RC_ERROR_GENERIC)
@@ -251,7 +251,7 @@ pub unsafe extern "C" fn olp_host_output(host: *mut Host, buf: *mut c_void, cap:
 /// ```
 #[export(olp)]
 pub unsafe extern "C" fn olp_host_next_deadline(host: *const Host, now_ms: c_ulong) -> c_long {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: host is NULL or a session.
     let left = unsafe { Host::peek(host) }.and_then(|host| host.next_deadline(time(now_ms)));
     left.map_or(-1, long)
 }

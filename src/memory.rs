@@ -11,7 +11,7 @@ use core::slice;
 /// out points to writable memory of that type.
 pub(super) unsafe fn zero<T>(out: *mut T) {
     for place in 0..size_of::<T>() {
-        // SAFETY: as the contract of this function asks.
+        // SAFETY: within what out points to, which is writable.
         unsafe { out.cast::<u8>().add(place).write_volatile(0) };
     }
 }
@@ -25,7 +25,7 @@ pub(super) unsafe fn zero<T>(out: *mut T) {
 pub(super) unsafe fn bytes_of<'a>(buf: *const c_void, bytes: c_int) -> Option<&'a [u8]> {
     match usize::try_from(bytes) {
         Ok(0) => Some(&[]),
-        // SAFETY: not NULL, so as the contract of this function asks.
+        // SAFETY: not NULL, so it points to so many bytes.
         Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts(buf.cast(), length) }),
         _ => None,
     }
@@ -83,7 +83,7 @@ pub(super) fn copy_counters<const COUNT: usize>(from: &[u32; COUNT], to: &mut [c
 pub(super) unsafe fn room_of<'a>(buf: *mut c_void, cap: c_int) -> Option<&'a mut [MaybeUninit<u8>]> {
     match usize::try_from(cap) {
         Ok(0) => Some(&mut []),
-        // SAFETY: not NULL, so as the contract of this function asks.
+        // SAFETY: not NULL, so it points to so many writable bytes.
         Ok(length) if !buf.is_null() => Some(unsafe { slice::from_raw_parts_mut(buf.cast(), length) }),
         _ => None,
     }
@@ -101,7 +101,7 @@ pub(super) unsafe fn fill<const LONGEST: usize>(
     cap: c_int,
     mut next: impl FnMut(&mut [u8; LONGEST], usize) -> usize,
 ) -> Option<c_int> {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: room_of()'s contract is this function's.
     let room = unsafe { room_of(buf, cap) }?;
     let mut message = [0; LONGEST];
     let mut written = 0_usize;

@@ -20,7 +20,7 @@ use zerocopy::IntoBytes;
 
 /// Does the one thing that comes next.
 pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the device is ready, and no reference to it lives where one of the firmware's functions is called.
     unsafe {
         if (*device).serving != 0 {
             return OLP_RC_BUSY;
@@ -45,7 +45,7 @@ pub(super) unsafe fn serve(device: *mut State, now: u32) -> c_int {
 
 /// Welcomes the next device.
 unsafe fn welcome(device: *mut State) {
-    // SAFETY: as the contract of this function asks, and there is one.
+    // SAFETY: the table of a device that is ready is good, and it has a device that was not welcomed.
     unsafe {
         let info = (*(*device).table()).devices.add((*device).welcomed.into());
         (*device).welcomed = (*device).welcomed.wrapping_add(1);
@@ -58,14 +58,13 @@ unsafe fn welcome(device: *mut State) {
 
 /// Whether all devices were welcomed.
 pub(super) unsafe fn is_welcomed(device: *const State) -> bool {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the table of a device that is ready is good.
     unsafe { usize::from((*device).welcomed) >= usize::try_from((*(*device).table()).device_count).unwrap_or_default() }
 }
 
 /// Answers the line that was received, if there is one.
 unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
-    // SAFETY: as the contract of this function asks. The line lies where it is until it is released: nothing is
-    // received before.
+    // SAFETY: the device is ready. The line lies where it is until it is released: nothing is received before.
     unsafe {
         let receiver = &raw const (*device).receiver;
         let message = match (*receiver).received() {
@@ -90,7 +89,7 @@ unsafe fn answer_line(device: *mut State, now: u32) -> c_int {
 
 /// Answers an intact command.
 unsafe fn answer(device: *mut State, message: &Message) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the table of a device that is ready is good: its ids and names are strings.
     unsafe {
         let table = (*device).table();
         let asked = message.text(b"id");
@@ -124,14 +123,14 @@ unsafe fn answer(device: *mut State, message: &Message) -> c_int {
 
 /// The first device's id: that of what nobody asked for.
 unsafe fn first_id(device: *const State) -> *const [u8] {
-    // SAFETY: as the contract of this function asks: ids are strings.
+    // SAFETY: the table of a device that is ready is good: it has a first device, whose id is a string.
     unsafe { text_of((*(*(*device).table()).devices).id).unwrap_or_default() }
 }
 
 /// Has a command executed, and answers it.
 unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: *const [u8]) -> c_int {
     let view = view(message);
-    // SAFETY: as the contract of this function asks, and as the table's own: its functions take usr.
+    // SAFETY: the functions in a good table can be called with usr; references into the device are not used after it.
     unsafe {
         let length = (*device).link.begin(text_of(command.name).unwrap_or_default());
         let room = (*device).link.room();
@@ -161,7 +160,7 @@ unsafe fn execute(device: *mut State, command: &Command, message: &Message, id: 
 unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
     let mut room = zeros::<{ LINK_LINE_MAX / 2 }>();
     let room = room.as_mut_bytes();
-    // SAFETY: see above.
+    // SAFETY: the device is ready, and id is of its table or of the line that it answers.
     unsafe {
         let length = (*device).link.write(line, &*id, room);
         send(device, room.as_ptr(), length);
@@ -169,18 +168,18 @@ unsafe fn send_link_line(device: *mut State, line: LinkLine, id: *const [u8]) {
 }
 
 pub(super) unsafe fn send(device: *mut State, line: *const u8, length: usize) {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: the table of a device that is ready is good.
     let (table, usr) = unsafe { ((*device).table(), (*device).usr()) };
-    // SAFETY: as the table asks: its function takes usr.
+    // SAFETY: it is that of a device that is ready, so good.
     if let (1.., Some(send)) = (length, unsafe { (*table).send }) {
-        // SAFETY: as above.
+        // SAFETY: the functions in such a table can be called with usr.
         unsafe { send(line.cast(), int(length), usr) };
     }
 }
 
 /// Whether a table is one to work with; room is for trying. Unsafe as [`olp_device_init`](super::olp_device_init) is.
 pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: table is NULL or what olp_device_init's caller says: so many devices and commands, with strings.
     unsafe {
         let Some(table) = table.as_ref() else { return OLP_RC_ERROR_GENERIC };
         let mut info = table.devices;
@@ -212,7 +211,7 @@ pub(super) unsafe fn check(table: *const DeviceTable, room: &mut [u8]) -> c_int 
 
 /// Writes the welcome of a device and returns its length, 0 when it does not fit.
 pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> usize {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: info is one of a table's: its texts are NULL or strings.
     unsafe {
         let mut line = Encoder::begin(room, b"welcome");
         add(&mut line, b"id", (*info).id);
@@ -228,7 +227,7 @@ pub(super) unsafe fn write_welcome(info: *const DeviceInfo, room: &mut [u8]) -> 
 
 /// Adds a text that is there: NULL or a string.
 unsafe fn add(line: &mut Encoder, name: &[u8], text: *const c_char) {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: text is NULL or a string.
     if let Some(text) = unsafe { text_of(text) } {
         line.text(name, text);
     }
@@ -251,7 +250,7 @@ pub(super) unsafe fn device_of(table: *const DeviceTable, asked: Value) -> *cons
 
 /// The command that is meant, if there is one.
 pub(super) unsafe fn command_of<'a>(table: *const DeviceTable, id: Value, name: Value) -> Option<&'a Command> {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: a good table has so many commands, whose texts are NULL or strings.
     unsafe {
         let mut command = (*table).commands;
         for _ in 0..(*table).command_count {

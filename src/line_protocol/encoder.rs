@@ -33,7 +33,7 @@ pub unsafe extern "C" fn olp_begin(
     cap: c_int,
     command: *const c_char,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as begin() asks.
     unsafe { begin(encoder, buf, cap, c_int::MAX, command) }
 }
 
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn olp_begin_command(
     cap: c_int,
     command: *const c_char,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as begin() asks.
     unsafe { begin(encoder, buf, cap, OLP_COMMAND_MAX, command) }
 }
 
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn olp_begin_command(
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_string(encoder: *mut LineEncoder, name: *const c_char, text: *const c_char) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as add() asks; text is NULL or a string.
     unsafe { add(encoder, name, text_of(text), add_text) }
 }
 
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn olp_add_bytes(
     text: *const c_void,
     length: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as add() asks; text is NULL or points to so many bytes.
     unsafe { add(encoder, name, bytes_of(text, length), add_text) }
 }
 
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn olp_add_raw(
     value: *const c_char,
     length: c_int,
 ) -> c_int {
-    // SAFETY: value is NULL or points to so many bytes; add()'s contract is this function's.
+    // SAFETY: as add() asks; value is NULL or points to so many bytes.
     unsafe { add(encoder, name, bytes_of(value.cast(), length), |line, name, value| _ = line.raw(name, value)) }
 }
 
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn olp_add_raw(
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_add_int(encoder: *mut LineEncoder, name: *const c_char, value: c_long) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as add() asks.
     unsafe { add(encoder, name, Some(value.write(&mut zeros())), add_text) }
 }
 
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn olp_add_float(
     decimals: c_int,
 ) -> c_int {
     let decimals = u8::try_from(decimals).unwrap_or(u8::MAX);
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as add() asks.
     unsafe {
         add(encoder, name, Some(&[]), add_text);
         edit(encoder, &mut |line| _ = line.fixed(value, decimals))
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn olp_add_float(
 pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_char, value: c_uint) -> c_int {
     let [low, high, ..] = value.to_le_bytes();
     let value = u16::from_le_bytes([low, high]);
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: as add() asks.
     unsafe {
         add(encoder, name, Some(&[]), add_text);
         edit(encoder, &mut |line| line.put_hex(value))
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn olp_add_hex(encoder: *mut LineEncoder, name: *const c_c
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: encoder is as edit() asks.
     unsafe {
         // What it says is kept.
         let code = edit(encoder, &mut |line| _ = line.finish(checksum != 0));
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn olp_finish(encoder: *mut LineEncoder, checksum: c_int) 
     }
 }
 
-/// Unsafe as [`olp_begin`] is.
+/// Begins a line of at most limit bytes. encoder is NULL or writable, cap is buf's size, and command NULL or a string.
 unsafe fn begin(
     encoder: *mut LineEncoder,
     buf: *mut c_char,
@@ -188,7 +188,7 @@ unsafe fn begin(
     limit: c_int,
     command: *const c_char,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: encoder is NULL or writable, cap is buf's size, and command NULL or a string.
     unsafe {
         let Some(encoder) = encoder.as_mut() else { return OLP_RC_ERROR_GENERIC };
         *encoder = LineEncoder { buf, cap: cap.min(limit), length: 0, error: OLP_RC_ERROR_GENERIC };
@@ -211,9 +211,9 @@ fn add_text(line: &mut Encoder<'_>, name: &[u8], text: &[u8]) {
     line.text(name, text);
 }
 
-/// Adds a parameter, or fails if there is no name or no value. Unsafe as [`olp_add_string`] is.
+/// Adds a parameter, or fails if there is no name or no value. name is NULL or a string, encoder as [`edit`] asks.
 unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8]>, put: Put) -> c_int {
-    // SAFETY: name is NULL or a string; edit()'s contract is this function's.
+    // SAFETY: as asked of the caller: name is NULL or a string, and encoder as edit() asks.
     unsafe {
         let name = text_of(name);
         edit(encoder, &mut |line| match (name, value) {
@@ -223,9 +223,10 @@ unsafe fn add(encoder: *mut LineEncoder, name: *const c_char, value: Option<&[u8
     }
 }
 
-/// Goes on with a line, unless it has failed, or was never begun. Unsafe as [`olp_add_string`] is.
+/// Goes on with a line, unless it has failed, or was never begun. encoder is NULL, all zero, or was begun, and its
+/// buffer is still there; nobody else touches either meanwhile.
 pub(crate) unsafe fn edit(encoder: *mut LineEncoder, edit: &mut dyn FnMut(&mut Encoder<'_>)) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: NULL or an encoder, which nobody else touches meanwhile.
     let Some(encoder) = (unsafe { encoder.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
     if encoder.error != OLP_RC_SUCCESS {
         return encoder.error;

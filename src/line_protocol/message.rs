@@ -24,7 +24,7 @@ const EMPTY: LineMessage = LineMessage { line: null(), length: 0, count: 0, chec
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> c_uint {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: bytes is NULL or has that length.
     line::fletcher16(unsafe { bytes_of(bytes, length) }.unwrap_or_default()).into()
 }
 
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn olp_fletcher16(bytes: *const c_void, length: c_int) -> 
 #[export]
 pub unsafe extern "C" fn olp_fletcher16_more(sum: c_uint, bytes: *const c_void, length: c_int) -> c_uint {
     let [low, high, ..] = sum.to_le_bytes();
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: bytes is NULL or has that length.
     let bytes = unsafe { bytes_of(bytes, length) }.unwrap_or_default();
     line::fletcher16_more(u16::from_le_bytes([low, high]), bytes).into()
 }
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn olp_fletcher16_more(sum: c_uint, bytes: *const c_void, 
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: *mut LineMessage) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: line is NULL or has that length, message NULL or the caller's.
     let (text, message) = unsafe { (bytes_of(line.cast(), length), message.as_mut()) };
     let Some(message) = message else { return OLP_RC_ERROR_GENERIC };
     *message = EMPTY;
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn olp_parse(line: *const c_char, length: c_int, message: 
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_param_at(message: *const LineMessage, index: c_int, param: *mut LineParam) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there; param is NULL or writable.
     unsafe {
         let Some(mut params) = params_of(message) else { return OLP_RC_ERROR_GENERIC };
         give(usize::try_from(index).ok().and_then(|index| params.nth(index)), param)
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn olp_find(
     occurrence: c_int,
     param: *mut LineParam,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there, name NULL or a string, param NULL or writable.
     unsafe {
         let (Some(params), Some(name)) = (params_of(message), text_of(name)) else { return OLP_RC_ERROR_GENERIC };
         give(usize::try_from(occurrence).ok().and_then(|occurrence| params.find_named(name, occurrence)), param)
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn olp_find(
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_long) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: param is NULL, empty, or of a line that is still there; value is NULL or writable.
     unsafe { store(value_of(param).map(Value::int), value) }
 }
 
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn olp_value_int(param: *const LineParam, value: *mut c_lo
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_float) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: param is NULL, empty, or of a line that is still there; value is NULL or writable.
     unsafe { store(value_of(param).map(Value::float), value) }
 }
 
@@ -151,7 +151,7 @@ pub unsafe extern "C" fn olp_value_float(param: *const LineParam, value: *mut c_
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_char, cap: c_int) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: param is NULL, empty, or of a line that is still there; cap is buf's size.
     unsafe { decode(value_of(param), room_of(buf.cast(), cap)) }
 }
 
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn olp_value_string(param: *const LineParam, buf: *mut c_c
 /// ```
 #[export]
 pub unsafe extern "C" fn olp_value_is(param: *const LineParam, text: *const c_char) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: param is NULL, empty, or of a line that is still there; text is NULL or a string.
     unsafe { is(value_of(param), text_of(text)) }
 }
 
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn olp_get_int(
     occurrence: c_int,
     value: *mut c_long,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there, name NULL or a string, value NULL or writable.
     unsafe { store(find_value(message, name, occurrence).map(Value::int), value) }
 }
 
@@ -197,7 +197,7 @@ pub unsafe extern "C" fn olp_get_float(
     occurrence: c_int,
     value: *mut c_float,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there, name NULL or a string, value NULL or writable.
     unsafe { store(find_value(message, name, occurrence).map(Value::float), value) }
 }
 
@@ -215,7 +215,7 @@ pub unsafe extern "C" fn olp_get_string(
     buf: *mut c_char,
     cap: c_int,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there, name NULL or a string; cap is buf's size.
     unsafe { decode(find_value(message, name, occurrence), room_of(buf.cast(), cap)) }
 }
 
@@ -232,7 +232,7 @@ pub unsafe extern "C" fn olp_is(
     occurrence: c_int,
     text: *const c_char,
 ) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there; name and text are NULL or strings.
     unsafe { is(find_value(message, name, occurrence), text_of(text)) }
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn view(message: &Message<'_>) -> LineMessage {
 
 /// Unsafe as [`olp_param_at`] is.
 unsafe fn params_of<'a>(message: *const LineMessage) -> Option<Params<'a>> {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there.
     unsafe {
         let message = message.as_ref()?;
         bytes_of(message.line.cast(), message.length).map(Params::of)
@@ -266,7 +266,7 @@ unsafe fn find_value<'a>(
     name: *const c_char,
     occurrence: c_int,
 ) -> Result<Value<'a>, c_int> {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: message is NULL, empty, or of a line that is still there, name NULL or a string.
     let (Some(params), Some(name)) = (unsafe { (params_of(message), text_of(name)) }) else {
         return Err(OLP_RC_ERROR_GENERIC);
     };
@@ -276,7 +276,7 @@ unsafe fn find_value<'a>(
 
 /// Hands a parameter to C; out is NULL or points to a writable one.
 unsafe fn give(param: Option<Param<'_>>, out: *mut LineParam) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: out is NULL or writable.
     let Some(out) = (unsafe { out.as_mut() }) else { return OLP_RC_ERROR_GENERIC };
     let Some(Param { name, value }) = param else { return OLP_RC_NOT_FOUND };
     *out = LineParam {
@@ -290,14 +290,14 @@ unsafe fn give(param: Option<Param<'_>>, out: *mut LineParam) -> c_int {
 
 /// Unsafe as [`olp_value_int`] is.
 unsafe fn value_of<'a>(param: *const LineParam) -> Result<Value<'a>, c_int> {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: param is NULL, empty, or of a line that is still there.
     let bytes = unsafe { param.as_ref().and_then(|param| bytes_of(param.value.cast(), param.value_length)) };
     bytes.map(Value::new).ok_or(OLP_RC_ERROR_GENERIC)
 }
 
 /// Hands a number to C; out is NULL or points to a writable one.
 unsafe fn store<T>(number: Result<Result<T, NumberError>, c_int>, out: *mut T) -> c_int {
-    // SAFETY: as the contract of this function asks.
+    // SAFETY: out is NULL or writable.
     match (number, unsafe { out.as_mut() }) {
         (Ok(Ok(number)), Some(out)) => *out = number,
         (Ok(Err(NumberError::Malformed)), Some(_)) => return OLP_RC_MALFORMED,
