@@ -36,7 +36,7 @@ export class Controller {
       socket.on('data', (data) => {
         buffer = Buffer.concat([buffer, Buffer.from(data)]);
         while (buffer.length >= 5 && buffer.length >= buffer[2] + 5) {
-          this.obey(String.fromCharCode(buffer[1]), buffer.subarray(3, 3 + buffer[2]));
+          this.obey(String.fromCharCode(buffer[1]));
           buffer = buffer.subarray(buffer[2] + 5);
         }
       });
@@ -51,10 +51,10 @@ export class Controller {
     for (const socket of this.sockets) socket.destroy();
   }
 
-  /** @param {string} opcode @param {Buffer} data */
-  obey(opcode, data) {
-    if (opcode === 'H') [this.at, this.state] = [[0, 0, 0], 'idle'];
-    else if (opcode === 'M') [this.at, this.state, this.stops] = [[0, 4, 8].map((at) => data.readFloatLE(at)), 'moving', 0];
+  /** Moves begin; how they go on is up to the test. @param {string} opcode */
+  obey(opcode) {
+    if (opcode === 'H') [this.at, this.state, this.stops] = [[0, 0, 0], 'idle', 0b111];
+    else if (opcode === 'M') [this.state, this.stops] = ['moving', 0];
     else if (opcode === 'C') this.state = 'idle';
     if (opcode !== 'S') this.send(frame('A', Buffer.from(opcode)));
     this.report();
@@ -70,6 +70,15 @@ export class Controller {
   /** @param {Buffer} bytes */
   send(bytes) {
     for (const socket of this.sockets) socket.write(bytes);
+  }
+
+  /** Goes on to there, in so many reports. @param {number[]} target @param {number} reports */
+  async glide(target, reports) {
+    for (let left = reports; left > 0; left -= 1) {
+      await new Promise((resolve) => setTimeout(resolve, 50));
+      this.at = this.at.map((value, arm) => value + (target[arm] - value) / left);
+      this.report();
+    }
   }
 
   /** Reports so often, each time from a little farther on. Returns what stops that. @param {number} perSecond */

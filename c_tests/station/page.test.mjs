@@ -130,17 +130,22 @@ test('accessible, in light and dark, narrow and wide', async () => {
 });
 
 test('the layout at 1280 by 800, and its picture', async () => {
-  const { page, context, errors } = await open(chromium, `${server.url}/#/robot/sim1`);
+  const { page, context, errors } = await open(chromium, `${server.url}/#/robot/cell`);
   await says(page, '#state', /IDLE/);
   await says(page, '#move-note', /^controller units: A 0 to 300, B 0 to 300, C 0 to 300$/);
   await drive(page);
   await home(page);
-  await move(page, [127.2, 79.1, 127.2]);
-  await standsAt(page, ['127.20', '79.10', '127.20']);
-  await move(page, [140, 60, 100]);
-  await standsAt(page, ['140.00', '60.00', '100.00']);
+  for (const target of [[127.2, 79.1, 127.2], [140, 60, 100]]) {
+    await move(page, target);
+    await says(page, '#state', /MOVING/);
+    await controller.glide(target, 30);
+    controller.state = 'idle';
+    controller.report();
+    await standsAt(page, target.map((value) => value.toFixed(2)));
+  }
   await move(page, [100, 120, 150]);
   await says(page, '#state', /MOVING/);
+  await controller.glide([120, 90, 125], 10);
   await page.waitForFunction(() => /** @type {any} */ (window).station.scene?.drawn().ghost, undefined, { timeout: TIMEOUT });
   await picture(page, 'station');
   const box = async (/** @type {string} */ selector) => {

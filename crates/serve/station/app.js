@@ -149,7 +149,6 @@ function draw({ state, targetPose }, { scene, paths }) {
   }
   scene.setStops(state.stops);
   scene.setPose(state.pose, targetPose);
-  if (state.pose) paths.addReached(state.pose);
   paths.update();
 }
 
@@ -182,6 +181,7 @@ function showPlace({ state }) {
 function showEntry(entry) {
   if (entry.displacements !== undefined) plot.add(entry.time, entry.displacements ?? [null, null, null]);
   if (entry.event) plot.addEvent(entry.time, entry.event);
+  if (entry.pose) space?.paths.addReached(entry.pose);
   if (entry.traffic) traffic.add(entry.traffic);
 }
 

@@ -143,7 +143,8 @@ export class Connection {
         before.link !== robot.state.link && `link ${robot.state.link}`,
         before.state !== robot.state.state && (robot.state.state ?? 'does not answer'),
       ].filter((change) => typeof change === 'string');
-      robot.watcher({ time: seconds(wire.time), displacements: wire.stale ? null : wire.displacements, event: before === UNKNOWN ? '' : changes.join(', ') });
+      const [displacements, pose] = wire.stale ? [null, null] : [wire.displacements, wire.pose];
+      robot.watcher({ time: seconds(wire.time), displacements, pose, event: before === UNKNOWN ? '' : changes.join(', ') });
     }
     robot.changed(robot);
   }

@@ -27,6 +27,8 @@ export class PathPanel {
     this.checked = null;
     /** @type {Vec[]} */
     this.reached = [];
+    /** Whether more was reached than is drawn. */
+    this.isLonger = false;
     const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {() => void} */ act, attributes = {}) => {
       const made = make('button', { type: 'button', id, ...attributes }, text);
       made.addEventListener('click', () => { if (usable(made)) act(); });
@@ -207,10 +209,7 @@ export class PathPanel {
   addReached(pose) {
     if (this.robot()?.state.path?.state !== 'running' || this.reached.length >= 20_000) return;
     this.reached.push(pose);
-    if (!this.reachedLine) return;
-    this.reachedLine.geometry.dispose();
-    this.reachedLine.geometry = path(this.reached);
-    this.scene.wanted = true;
+    this.isLonger = true;
   }
 
   draw() {
@@ -241,6 +240,12 @@ export class PathPanel {
   update() {
     const state = this.robot()?.state;
     if (!state) return;
+    if (this.isLonger && this.reachedLine) {
+      this.isLonger = false;
+      this.reachedLine.geometry.dispose();
+      this.reachedLine.geometry = path(this.reached);
+      this.scene.wanted = true;
+    }
     const run = state.path;
     const drives = state.driver?.mine === true;
     const why = drives ? '' : 'take control first';

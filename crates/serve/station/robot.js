@@ -58,6 +58,7 @@ import { tokenHeaders } from './token.js';
  * @typedef {object} Entry
  * @property {number} time in seconds since 1970
  * @property {Vec | null} [displacements] a report's
+ * @property {Vec | null} [pose] a report's
  * @property {string} [event] in words
  * @property {import('./traffic.js').Entry} [traffic]
  * @property {Partial<State>} [state]
