@@ -338,7 +338,7 @@ static void draw(void)
 
     title("Hold, in the middle of a move, and go on.");
     finished = seen.ended[GX_HOST_FINISHED];
-    go(5000, 0, 0, X, 16383);
+    go(5000, 0, 0, X, 5000);
     run(0, 200);
     gx_host_control(&session, GX_CONTROL_HOLD);
     run(0, 700);
