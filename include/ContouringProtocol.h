@@ -93,12 +93,10 @@ typedef uint8_t CPPacked28[4];
  * Returns 0; or, the buffer's length being 0 then, `CPResult_range` when a flagged value or the mask does not fit,
  * `CPResult_error` when the mask is empty or a pointer is NULL.
  *
- * ```c
- * CPVectorCommand command = {500, CPMask_x | CPMask_velocity, {1000, 0, 0, 0, 0, 0}};
- * CPPackedVectorCommandBuffer buffer;
- * if (PackCPVectorCommand(&buffer, &command) == CPResult_ok)
- *     uart_write(&uart, buffer.bytes, buffer.length);
- * ```
+ *     CPVectorCommand command = {500, CPMask_x | CPMask_velocity, {1000, 0, 0, 0, 0, 0}};
+ *     CPPackedVectorCommandBuffer buffer;
+ *     if (PackCPVectorCommand(&buffer, &command) == CPResult_ok)
+ *         uart_write(&uart, buffer.bytes, buffer.length);
  */
 int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
@@ -109,11 +107,9 @@ int PackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *co
  * Returns 0; or, the command left as it was, `CPResult_malformed` when the buffer does not hold a long form and
  * nothing else, `CPResult_error` when a pointer is NULL.
  *
- * ```c
- * CPVectorCommand command;
- * if (UnpackCPVectorCommand(&buffer, &command) == CPResult_ok && (command.axisMask & CPMask_x) != 0)
- *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
- * ```
+ *     CPVectorCommand command;
+ *     if (UnpackCPVectorCommand(&buffer, &command) == CPResult_ok && (command.axisMask & CPMask_x) != 0)
+ *         printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  */
 int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
@@ -121,11 +117,9 @@ int UnpackCPVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *
  * Packs a vector of deltas: the short form. axisPosition holds how far each axis shall go on, -63 to 63 steps, not
  * where to. Returns what PackCPVectorCommand does.
  *
- * ```c
- * CPVectorCommand deltas = {0, CPMask_x | CPMask_y, {10, -10, 0, 0, 0, 0}};
- * if (PackCPShortVectorCommand(&buffer, &deltas) == CPResult_ok)
- *     uart_write(&uart, buffer.bytes, buffer.length);
- * ```
+ *     CPVectorCommand deltas = {0, CPMask_x | CPMask_y, {10, -10, 0, 0, 0, 0}};
+ *     if (PackCPShortVectorCommand(&buffer, &deltas) == CPResult_ok)
+ *         uart_write(&uart, buffer.bytes, buffer.length);
  */
 int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 
@@ -137,10 +131,8 @@ int PackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorComman
  * Returns 0; or, the command left as it was, `CPResult_range` when a sum is no position (28 bits), and else, of the
  * short form, what UnpackCPVectorCommand does.
  *
- * ```c
- * if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
- *     printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
- * ```
+ *     if (UnpackCPShortVectorCommand(&buffer, &command) == CPResult_ok)
+ *         printf("x to %ld\n", (long)command.axisPosition[CPAxis_x]);
  */
 int UnpackCPShortVectorCommand(CPPackedVectorCommandBuffer *buffer, CPVectorCommand *command);
 

@@ -25,17 +25,14 @@
 //!
 //! What it answers to what:
 //!
-//! ```text
-//! intact command           ack if acks are in force, then <command>_resp
-//! its repeat               the same again; it is not executed again (see repeat_ms)
-//! linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
-//!                          understood stays as it is
-//! unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
-//! refused by its function  ack, onerror refused, and the command's t
-//! executed, but the answer can't be sent    ack, onerror toolong, and the command's t
-//! wrong checksum, missing checksum when one is in force, too long, unreadable
-//!                          onerror with code checksum, overflow or malformed; nothing is executed
-//! ```
+//! - an intact command: ack if acks are in force, then `<command>_resp`
+//! - its repeat: the same again; it is not executed again (see repeat_ms)
+//! - linksetup: executed here; ack as newly settled, linksetup_resp; an option left out or not understood stays as it is
+//! - an unknown id or command: ack, onerror with code unknownid or unknowncommand, and the command's t
+//! - one refused by its function: ack, onerror refused, and the command's t
+//! - one executed whose answer can't be sent: ack, onerror toolong, and the command's t
+//! - a wrong checksum, a missing one when one is in force, too long or unreadable lines: onerror with code checksum,
+//!   overflow or malformed; nothing is executed
 
 use core::ffi::{c_char, c_int, c_ulong, c_void};
 use core::ptr::{with_exposed_provenance, with_exposed_provenance_mut};

@@ -30,12 +30,10 @@
 //!
 //! What holds for the outcome of a command, if the device recognises repeats and the settings say so:
 //!
-//! ```text
-//! acks on, checksums on    ANSWERED: executed once. REFUSED: not at all. Else once or not at all.
-//! acks on, checksums off   the same, if no line to the device is damaged: it executes what arrives.
-//! acks off                 the same, if no line is damaged and none takes longer than a timeout there and back.
-//! checksums on             in any case: once or not at all.
-//! ```
+//! - acks and checksums on: ANSWERED means executed once, REFUSED not at all, all else once or not at all
+//! - acks on, checksums off: the same, if no line to the device is damaged, as it executes what arrives
+//! - acks off: the same, if no line is damaged and none takes longer than a timeout there and back
+//! - checksums on: in any case once or not at all
 //!
 //! A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
 //! may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:

@@ -51,23 +51,20 @@ impl Item {
         self.declaration.starts_with("typedef")
     }
 
-    /// Its fenced examples, and the lines they begin at.
+    /// Its examples, which are indented, and the lines they begin at.
     fn examples(&self) -> Vec<(usize, String)> {
         let mut examples: Vec<(usize, String)> = Vec::new();
         let mut inside = false;
         for (line, text) in (self.line..).zip(self.comment.lines()) {
             let text = text.trim_start().trim_start_matches('*');
-            match text.trim() {
-                "```c" | "```cpp" => {
-                    inside = true;
-                    examples.push((line + 1, String::new()));
-                }
-                "```" => inside = false,
-                _ if inside => {
-                    let example = &mut examples.last_mut().unwrap().1;
-                    writeln!(example, "{}", text.strip_prefix(' ').unwrap_or(text)).unwrap();
-                }
-                _ => (),
+            let code = text.strip_prefix("     ");
+            if code.is_some() && !inside {
+                examples.push((line, String::new()));
+            }
+            // So are empty lines in them.
+            inside = code.is_some() || inside && text.is_empty();
+            if inside {
+                writeln!(examples.last_mut().unwrap().1, "{}", code.unwrap_or_default()).unwrap();
             }
         }
         examples
@@ -119,15 +116,15 @@ fn items(header: &str) -> Vec<Item> {
 
 #[test]
 fn undocumented_functions_are_seen() {
-    let header = "/**\n * Does.\n *\n * ```c\n * if (f(1))\n *     g();\n * ```\n */\nint f(int a)\nSIZED(\"f\");\n\
+    let header = "/**\n * Does.\n *\n *     if (f(1))\n *\n *         g();\n */\nint f(int a)\nSIZED(\"f\");\n\
                   #ifdef __cplusplus\nextern \"C\" {\n#endif\nconst char *g(void);\nstruct s { int (*h)(void); };\n\
                   /* Of a type. */\ntypedef int (*t)(void *usr);\ninline void k()\n{\n    f(1);\n}\n#define l(x) f(x)\n}\n";
     let items = items(header);
     let functions: Vec<_> =
         items.iter().filter_map(|item| Some((item.function()?, !item.examples().is_empty()))).collect();
     assert_eq!(functions, [("f", true), ("g", false), ("k", false)]);
-    assert_eq!(items[0].examples(), [(5, "if (f(1))\n    g();\n".into())]);
-    assert!(items.iter().any(|item| item.is_type() && item.line == 16), "{items:?}");
+    assert_eq!(items[0].examples(), [(4, "if (f(1))\n\n    g();\n".into())]);
+    assert!(items.iter().any(|item| item.is_type() && item.line == 15), "{items:?}");
 }
 
 #[test]

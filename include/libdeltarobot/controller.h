@@ -42,12 +42,10 @@ struct dp_controller {
 /**
  * Begins to home. Returns 0, or anything else to refuse. From then until the end, the state is `DP_STATUS_HOMING`.
  *
- * ```c
- * int start_homing(void *usr)
- * {
- *     return motors_home();
- * }
- * ```
+ *     int start_homing(void *usr)
+ *     {
+ *         return motors_home();
+ *     }
  */
 typedef int (*dp_controller_home_func_t)(void *usr);
 
@@ -55,37 +53,31 @@ typedef int (*dp_controller_home_func_t)(void *usr);
  * Begins to move to target, which is free of NaNs, and gone when the function returns. Returns 0, or anything else to
  * refuse. From then until the end, the state is `DP_STATUS_MOVING`.
  *
- * ```c
- * int start_move(const struct protocol_msg_position *target, void *usr)
- * {
- *     return motors_move(target->DA, target->DB, target->DC);
- * }
- * ```
+ *     int start_move(const struct protocol_msg_position *target, void *usr)
+ *     {
+ *         return motors_move(target->DA, target->DB, target->DC);
+ *     }
  */
 typedef int (*dp_controller_move_func_t)(const struct protocol_msg_position *target, void *usr);
 
 /**
  * Begins to stop. Returns 0, or anything else to refuse.
  *
- * ```c
- * int stop(void *usr)
- * {
- *     return motors_stop();
- * }
- * ```
+ *     int stop(void *usr)
+ *     {
+ *         return motors_stop();
+ *     }
  */
 typedef int (*dp_controller_cancel_func_t)(void *usr);
 
 /**
  * Fills in report: the position, NaNs when it is not known, and state and end stops in STAT.
  *
- * ```c
- * void read_status(struct protocol_msg_status_report *report, void *usr)
- * {
- *     motors_where(&report->DA, &report->DB, &report->DC);
- *     report->STAT = (unsigned char)(motors_state() | (stop_a_is_pressed() ? DP_BIT_STAT_STOP_A_BIT : 0));
- * }
- * ```
+ *     void read_status(struct protocol_msg_status_report *report, void *usr)
+ *     {
+ *         motors_where(&report->DA, &report->DB, &report->DC);
+ *         report->STAT = (unsigned char)(motors_state() | (stop_a_is_pressed() ? DP_BIT_STAT_STOP_A_BIT : 0));
+ *     }
  */
 typedef void (*dp_controller_read_func_t)(struct protocol_msg_status_report *report, void *usr);
 
@@ -112,11 +104,9 @@ struct dp_controller_calls {
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when controller or calls is NULL, calls has no `read` or `send`,
  * the layout is none of these, or `DP_DATA_MAX_SIZE` is below 16, a status report (13 for `DP_LAYOUT_SPEC`).
  *
- * ```c
- * static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
- * static struct dp_controller controller;
- * dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
- * ```
+ *     static const struct dp_controller_calls calls = {start_homing, start_move, stop, read_status, uart_send};
+ *     static struct dp_controller controller;
+ *     dp_controller_init(&controller, &calls, &uart, DP_LAYOUT_AUTO, 0);
  */
 int dp_controller_init(struct dp_controller *controller, const struct dp_controller_calls *calls, void *usr, int layout,
     int flags) DP_SIZED(dp_controller_init);
@@ -128,14 +118,12 @@ int dp_controller_init(struct dp_controller *controller, const struct dp_control
  * Returns how many were taken: all, or as many as fit. The rest fits when `dp_controller_poll` has nothing to do.
  * Returns -`DP_RC_ERROR_GENERIC` when controller is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in), taken = 0;
- * while (taken < got) {
- *     taken += dp_controller_receive(&controller, in + taken, got - taken);
- *     while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
- *         ;
- * }
- * ```
+ *     int got = uart_read(&uart, in, sizeof in), taken = 0;
+ *     while (taken < got) {
+ *         taken += dp_controller_receive(&controller, in + taken, got - taken);
+ *         while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+ *             ;
+ *     }
  */
 int dp_controller_receive(struct dp_controller *controller, const void *buf, int bytes) DP_SIZED(dp_controller_receive);
 
@@ -145,10 +133,8 @@ int dp_controller_receive(struct dp_controller *controller, const void *buf, int
  * Returns `DP_RC_SUCCESS`, `DP_RC_NO_FRAME` when there was nothing to do, or `DP_RC_ERROR_GENERIC` when controller is
  * NULL or was not made by `dp_controller_init`.
  *
- * ```c
- * while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
- *     ;
- * ```
+ *     while (dp_controller_poll(&controller) == DP_RC_SUCCESS)
+ *         ;
  */
 int dp_controller_poll(struct dp_controller *controller) DP_SIZED(dp_controller_poll);
 
@@ -156,10 +142,8 @@ int dp_controller_poll(struct dp_controller *controller) DP_SIZED(dp_controller_
  * Like `dp_controller_poll`, for a line that has been quiet for longer than a frame takes: what is incomplete is given
  * up, as by `dp_recv_idle`.
  *
- * ```c
- * if (now_ms() - heard_at >= 10)
- *     dp_controller_poll_idle(&controller);
- * ```
+ *     if (now_ms() - heard_at >= 10)
+ *         dp_controller_poll_idle(&controller);
  */
 int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED(dp_controller_poll_idle);
 
@@ -167,10 +151,8 @@ int dp_controller_poll_idle(struct dp_controller *controller) DP_SIZED(dp_contro
  * Sends a status report unasked, as shipped firmware does at each encoder step of a move. Returns `DP_RC_SUCCESS`, or
  * `DP_RC_ERROR_GENERIC` when controller is NULL or was not made by `dp_controller_init`.
  *
- * ```c
- * if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
- *     dp_controller_report(&controller);
- * ```
+ *     if (motors_state() == DP_STATUS_MOVING && motors_made_a_step())
+ *         dp_controller_report(&controller);
  */
 int dp_controller_report(struct dp_controller *controller) DP_SIZED(dp_controller_report);
 

@@ -53,17 +53,15 @@ struct robot_state {
 /**
  * A robot. It refers to its configuration, which has to live as long and may change at any time.
  *
- * ```cpp
- * deltarobot::robot_configuration configuration;
- * deltarobot::robot robot(configuration, deltarobot::robot_state(configuration));
- * configuration.A1 << 0.12f, 0.0f, 0.10f;
- * configuration.A2 << 0.38f, 0.0f, 0.25f;
- * configuration.A3 << 0.12f, 0.0f, 0.40f;
- * configuration.d_B1B3 = 0.15f;
- * configuration.d_e = 0.08f;
- * float q1, q2, q3;
- * robot.calculate_ik(0.25f, 0.4f, 0.25f, q1, q2, q3);
- * ```
+ *     deltarobot::robot_configuration configuration;
+ *     deltarobot::robot robot(configuration, deltarobot::robot_state(configuration));
+ *     configuration.A1 << 0.12f, 0.0f, 0.10f;
+ *     configuration.A2 << 0.38f, 0.0f, 0.25f;
+ *     configuration.A3 << 0.12f, 0.0f, 0.40f;
+ *     configuration.d_B1B3 = 0.15f;
+ *     configuration.d_e = 0.08f;
+ *     float q1, q2, q3;
+ *     robot.calculate_ik(0.25f, 0.4f, 0.25f, q1, q2, q3);
  */
 class robot {
 public:

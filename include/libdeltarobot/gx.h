@@ -179,10 +179,8 @@ struct gx_contour {
  * Makes a receiver of commands of any memory. Zeroed memory is one too. Returns `GX_RC_SUCCESS`, or
  * `GX_RC_ERROR_GENERIC` when commands is NULL.
  *
- * ```c
- * struct gx_commands commands;
- * gx_commands_init(&commands);
- * ```
+ *     struct gx_commands commands;
+ *     gx_commands_init(&commands);
  */
 int gx_commands_init(struct gx_commands *commands);
 
@@ -194,11 +192,9 @@ int gx_commands_init(struct gx_commands *commands);
  * Returns the number of bytes taken, or -`GX_RC_ERROR_GENERIC` when a pointer is NULL (buf may be if bytes is 0) or
  * bytes is negative.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_item(&item))
- *     taken += gx_commands_receive(&commands, in + taken, got - taken, &item);
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     for (int taken = 0; taken < got; handle_item(&item))
+ *         taken += gx_commands_receive(&commands, in + taken, got - taken, &item);
  */
 int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes, struct gx_item *item);
 
@@ -207,20 +203,16 @@ int gx_commands_receive(struct gx_commands *commands, const void *buf, int bytes
  * and item is `GX_MALFORMED`. Else item is `GX_NONE`. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer
  * is NULL.
  *
- * ```c
- * if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
- *     handle_item(&item);
- * ```
+ *     if (now_ms() - heard_at >= 20 && gx_commands_idle(&commands, &item) == GX_RC_SUCCESS)
+ *         handle_item(&item);
  */
 int gx_commands_idle(struct gx_commands *commands, struct gx_item *item);
 
 /**
  * Makes a receiver of notices of any memory, as `gx_commands_init` makes one of commands.
  *
- * ```c
- * struct gx_notices notices;
- * gx_notices_init(&notices);
- * ```
+ *     struct gx_notices notices;
+ *     gx_notices_init(&notices);
  */
 int gx_notices_init(struct gx_notices *notices);
 
@@ -229,11 +221,9 @@ int gx_notices_init(struct gx_notices *notices);
  * whole notice, but may begin an error notice too: it is reported when the next byte has come, or by
  * `gx_notices_idle`. Returns what `gx_commands_receive` does.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_item(&item))
- *     taken += gx_notices_receive(&notices, in + taken, got - taken, &item);
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     for (int taken = 0; taken < got; handle_item(&item))
+ *         taken += gx_notices_receive(&notices, in + taken, got - taken, &item);
  */
 int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, struct gx_item *item);
 
@@ -242,10 +232,8 @@ int gx_notices_receive(struct gx_notices *notices, const void *buf, int bytes, s
  * become an error notice, and anything else that is incomplete as `GX_MALFORMED`. Else item is `GX_NONE`. Returns
  * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
- *     handle_item(&item);
- * ```
+ *     if (now_ms() - heard_at >= 20 && gx_notices_idle(&notices, &item) == GX_RC_SUCCESS)
+ *         handle_item(&item);
  */
 int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
 
@@ -256,10 +244,8 @@ int gx_notices_idle(struct gx_notices *notices, struct gx_item *item);
  * Returns `GX_RC_SUCCESS`; or, position left as it was, `GX_RC_RANGE` when a step leads out of the positions there are,
  * `GX_RC_NOT_FOUND` when an axis it names is not known, `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
- *     printf("x is at %ld\n", (long)position.axes[0]);
- * ```
+ *     if (gx_follow(&position, &item) == GX_RC_SUCCESS && (position.mask & 1) != 0)
+ *         printf("x is at %ld\n", (long)position.axes[0]);
  */
 int gx_follow(struct gx_vector *position, const struct gx_item *item);
 
@@ -268,10 +254,8 @@ int gx_follow(struct gx_vector *position, const struct gx_item *item);
  * be after it, and the velocity then in force; its mask flags those that the session has named up to this move.
  * Returns 0 to 126, or -`GX_RC_ERROR_GENERIC` when target is NULL or number is none.
  *
- * ```c
- * if (item.kind == GX_CONFIRMED && item.code != gx_check(&target, 5462))
- *     puts("the machine is elsewhere");
- * ```
+ *     if (item.kind == GX_CONFIRMED && item.code != gx_check(&target, 5462))
+ *         puts("the machine is elsewhere");
  */
 int gx_check(const struct gx_vector *target, int number);
 
@@ -283,22 +267,18 @@ int gx_check(const struct gx_vector *target, int number);
  * -`GX_RC_OVERFLOW` when the room is too small, -`GX_RC_ERROR_GENERIC` when target is NULL or has an empty mask, a
  * format is none, buf is NULL or cap negative. The room's contents are then not to be used.
  *
- * ```c
- * const struct gx_vector target = {500, 1 | GX_MASK_VELOCITY, {1000, 0, 0, 0, 0, 0}};
- * if ((length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     const struct gx_vector target = {500, 1 | GX_MASK_VELOCITY, {1000, 0, 0, 0, 0, 0}};
+ *     if ((length = gx_write_move(GX_BINARY, NULL, &target, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_move(int format, const struct gx_number *number, const struct gx_vector *target, void *buf, int cap);
 
 /**
  * Writes the short form, always binary: deltas of -63 to 63 steps an axis. Returns what `gx_write_move` does.
  *
- * ```c
- * const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
- * if ((length = gx_write_step(NULL, &deltas, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     const struct gx_vector deltas = {0, 1 | 2, {10, -10, 0, 0, 0, 0}};
+ *     if ((length = gx_write_step(NULL, &deltas, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas, void *buf, int cap);
 
@@ -307,10 +287,8 @@ int gx_write_step(const struct gx_number *number, const struct gx_vector *deltas
  * axis that stays where it is. The mask of from flags the axes that are known; NULL: none. Returns what
  * `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_shortest(NULL, &target, &position, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_shortest(NULL, &target, &position, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_shortest(const struct gx_number *number, const struct gx_vector *target, const struct gx_vector *from,
     void *buf, int cap);
@@ -319,10 +297,8 @@ int gx_write_shortest(const struct gx_number *number, const struct gx_vector *ta
  * Writes a request for position reports each period milliseconds, 0 to 16383; 0: none. Returns what `gx_write_move`
  * does.
  *
- * ```c
- * if ((length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_reporting(GX_BINARY, NULL, 100, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_reporting(int format, const struct gx_number *number, int period, void *buf, int cap);
 
@@ -330,10 +306,8 @@ int gx_write_reporting(int format, const struct gx_number *number, int period, v
  * Writes the notice that the command with this number was carried out, in the number's format. Returns what
  * `gx_write_move` does, -`GX_RC_ERROR_GENERIC` also without a number.
  *
- * ```c
- * if ((length = gx_write_completed(&item.number, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_completed(&item.number, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_completed(const struct gx_number *number, void *buf, int cap);
 
@@ -342,10 +316,8 @@ int gx_write_completed(const struct gx_number *number, void *buf, int cap);
  * code is 0 to 127: `GX_FAULT_*` or the firmware's own. Without a number it begins with a line end: behind a packed
  * number of the notice before, it would be about that command. Returns what `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_refused(item.format, &item.number, GX_FAULT_BUSY, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_refused(int format, const struct gx_number *number, int code, void *buf, int cap);
 
@@ -353,30 +325,24 @@ int gx_write_refused(int format, const struct gx_number *number, int code, void 
  * Writes a position report; a velocity, the one in force, says that the machine was stopped. Returns what
  * `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_position(GX_BINARY, &position, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_position(GX_BINARY, &position, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_position(int format, const struct gx_vector *position, void *buf, int cap);
 
 /**
  * Writes what a host asks for past the queue, one of `GX_CONTROL_*`. Returns what `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_control(GX_BINARY, NULL, GX_CONTROL_HOLD, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_control(int format, const struct gx_number *number, int control, void *buf, int cap);
 
 /**
  * Writes the notice that a session's move was carried out, with its `gx_check`. Returns what `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_confirmed(&item.number, gx_check(&target, item.number.value), out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_confirmed(const struct gx_number *number, int check, void *buf, int cap);
 
@@ -384,10 +350,8 @@ int gx_write_confirmed(const struct gx_number *number, int check, void *buf, int
  * Writes the status of a motion side: free more moves fit into its queue, at most 255, and it holds if held is not 0.
  * Returns what `gx_write_move` does.
  *
- * ```c
- * if ((length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out)) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_write_status(GX_BINARY, 16, 0, out, sizeof out)) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_write_status(int format, int free, int held, void *buf, int cap);
 
@@ -395,11 +359,9 @@ int gx_write_status(int format, int free, int held, void *buf, int cap);
  * Begins a path of the axes that the mask flags (other bits are ignored), where is not known. Any memory will do.
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL or the mask flags no axis.
  *
- * ```c
- * struct gx_contour contour;
- * gx_contour_init(&contour, 1 | 2 | 4);
- * gx_contour_start(&contour, &position);
- * ```
+ *     struct gx_contour contour;
+ *     gx_contour_init(&contour, 1 | 2 | 4);
+ *     gx_contour_start(&contour, &position);
  */
 int gx_contour_init(struct gx_contour *contour, unsigned char mask);
 
@@ -407,10 +369,8 @@ int gx_contour_init(struct gx_contour *contour, unsigned char mask);
  * Sets where the machine is, and its velocity, as far as the mask of start says so; NULL: neither is known, as after
  * an error notice. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when contour is NULL.
  *
- * ```c
- * if (item.kind == GX_REFUSED)
- *     gx_contour_start(&contour, NULL);
- * ```
+ *     if (item.kind == GX_REFUSED)
+ *         gx_contour_start(&contour, NULL);
  */
 int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
 
@@ -419,11 +379,9 @@ int gx_contour_start(struct gx_contour *contour, const struct gx_vector *start);
  * back, repeated ones too. position holds six values, of which those of the path's axes count; velocity is 0 to 16383,
  * or negative: as before. Returns what `gx_write_move` does; when that is negative, the path still ends where it did.
  *
- * ```c
- * for (int i = 0; i < path_length; ++i)
- *     if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
- *         uart_write(&uart, out, length);
- * ```
+ *     for (int i = 0; i < path_length; ++i)
+ *         if ((length = gx_contour_segment(&contour, NULL, path[i], -1, out, sizeof out)) > 0)
+ *             uart_write(&uart, out, length);
  */
 int gx_contour_segment(struct gx_contour *contour, const struct gx_number *number, const int32_t *position,
     int velocity, void *buf, int cap);

@@ -5,29 +5,27 @@
  *
  * A session does no I/O. A loop around it:
  *
- * ```c
- * struct gx_host_event event;
- * char in[64], out[GX_ENCODED_MAX];
- * int got = 0, taken = 0, length;
+ *     struct gx_host_event event;
+ *     char in[64], out[GX_ENCODED_MAX];
+ *     int got = 0, taken = 0, length;
  *
- * gx_host_init(&host, NULL);
- * for (;;) {
- *     while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
- *         handle_event(&event);
- *     while (path_goes_on() && gx_host_move(&host, next_position(), 1 | 2, 500) == GX_RC_SUCCESS)
- *         go_on();
- *     while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
- *         uart_write(&uart, out, length);
- *     if (is_over())
- *         break;
- *     if (taken == got) {
- *         wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
- *         taken = 0;
- *         got = uart_read(&uart, in, sizeof in);
+ *     gx_host_init(&host, NULL);
+ *     for (;;) {
+ *         while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+ *             handle_event(&event);
+ *         while (path_goes_on() && gx_host_move(&host, next_position(), 1 | 2, 500) == GX_RC_SUCCESS)
+ *             go_on();
+ *         while ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *             uart_write(&uart, out, length);
+ *         if (is_over())
+ *             break;
+ *         if (taken == got) {
+ *             wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
+ *             taken = 0;
+ *             got = uart_read(&uart, in, sizeof in);
+ *         }
+ *         taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  *     }
- *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
- * }
- * ```
  *
  * It needs a motion side that keeps numbers in order, as gx_motion.h does in a session; one that only sends them back
  * is driven if `echo` is set, else moves end as timed out, and are not sent.
@@ -180,11 +178,9 @@ struct gx_host_health {
  * Begins a session. settings are copied; NULL stands for the defaults, which memory that is all zero has too. Returns
  * `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * struct gx_host_settings settings = {0};
- * settings.window = 4;
- * gx_host_init(&host, &settings);
- * ```
+ *     struct gx_host_settings settings = {0};
+ *     settings.window = 4;
+ *     gx_host_init(&host, &settings);
  */
 int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) GX_SIZED(gx_host_init);
 
@@ -196,11 +192,9 @@ int gx_host_init(struct gx_host *host, const struct gx_host_settings *settings) 
  * Returns `GX_RC_SUCCESS`, `GX_RC_BUSY` when the ends of `GX_WINDOW_MAX` moves were not fetched yet, or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL, a value or mask is out of range, or there is neither axis nor velocity.
  *
- * ```c
- * const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
- * if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
- *     puts("first, events have to be fetched");
- * ```
+ *     const int32_t target[GX_AXES] = {1000, 2000, 0, 0, 0, 0};
+ *     if (gx_host_move(&host, target, 1 | 2, 500) == GX_RC_BUSY)
+ *         puts("first, events have to be fetched");
  */
 int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velocity) GX_SIZED(gx_host_move);
 
@@ -209,10 +203,8 @@ int gx_host_move(struct gx_host *host, const int32_t *target, int axes, int velo
  * are asked for again when they stay away. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or the
  * period is out of range.
  *
- * ```c
- * if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
- *     puts("no such period");
- * ```
+ *     if (gx_host_report(&host, 100) != GX_RC_SUCCESS)
+ *         puts("no such period");
  */
 int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED(gx_host_report);
 
@@ -223,10 +215,8 @@ int gx_host_report(struct gx_host *host, int period_ms) GX_SIZED(gx_host_report)
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when host is NULL or control is none of these.
  *
- * ```c
- * if (stop_is_pressed())
- *     gx_host_control(&host, GX_CONTROL_STOP);
- * ```
+ *     if (stop_is_pressed())
+ *         gx_host_control(&host, GX_CONTROL_STOP);
  */
 int gx_host_control(struct gx_host *host, int control) GX_SIZED(gx_host_control);
 
@@ -235,11 +225,9 @@ int gx_host_control(struct gx_host *host, int control) GX_SIZED(gx_host_control)
  * to be fetched first by `gx_host_poll`; give it the rest then. Returns -`GX_RC_ERROR_GENERIC` when host is NULL,
  * bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; handle_events(&host))
- *     taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     for (int taken = 0; taken < got; handle_events(&host))
+ *         taken += gx_host_receive(&host, in + taken, got - taken, now_ms());
  */
 int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned long now_ms) GX_SIZED(gx_host_receive);
 
@@ -248,12 +236,10 @@ int gx_host_receive(struct gx_host *host, const void *buf, int bytes, unsigned l
  * then `gx_host_output`. Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then),
  * or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct gx_host_event event;
- * while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
- *     if (event.kind == GX_HOST_ENDED)
- *         printf("the oldest move: outcome %d\n", event.outcome);
- * ```
+ *     struct gx_host_event event;
+ *     while (gx_host_poll(&host, now_ms(), &event) == GX_RC_SUCCESS)
+ *         if (event.kind == GX_HOST_ENDED)
+ *             printf("the oldest move: outcome %d\n", event.outcome);
  */
 int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_event *event) GX_SIZED(gx_host_poll);
 
@@ -264,10 +250,8 @@ int gx_host_poll(struct gx_host *host, unsigned long now_ms, struct gx_host_even
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next command, or
  * -`GX_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
- * ```c
- * if ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_ms) GX_SIZED(gx_host_output);
 
@@ -276,30 +260,24 @@ int gx_host_output(struct gx_host *host, void *buf, int cap, unsigned long now_m
  * when all events and output were fetched. Returns milliseconds, or -1 when it need not be called at all or host is
  * NULL.
  *
- * ```c
- * wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
- * ```
+ *     wait_readable(&uart, gx_host_next_deadline(&host, now_ms()));
  */
 long gx_host_next_deadline(const struct gx_host *host, unsigned long now_ms) GX_SIZED(gx_host_next_deadline);
 
 /**
  * How many moves were requested whose ends were not fetched yet; 0 also when host is NULL.
  *
- * ```c
- * if (gx_host_unfinished(&host) == 0)
- *     puts("all moves have ended");
- * ```
+ *     if (gx_host_unfinished(&host) == 0)
+ *         puts("all moves have ended");
  */
 int gx_host_unfinished(const struct gx_host *host) GX_SIZED(gx_host_unfinished);
 
 /**
  * Copies out how the link does. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct gx_host_health health;
- * if (gx_host_get_health(&host, &health) == GX_RC_SUCCESS)
- *     printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
- * ```
+ *     struct gx_host_health health;
+ *     if (gx_host_get_health(&host, &health) == GX_RC_SUCCESS)
+ *         printf("%lu moves, %lu repeats\n", health.moves, health.repeats);
  */
 int gx_host_get_health(const struct gx_host *host, struct gx_host_health *health) GX_SIZED(gx_host_get_health);
 

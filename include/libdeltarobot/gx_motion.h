@@ -5,24 +5,22 @@
  *
  * It does no I/O. The firmware's main loop calls:
  *
- * ```c
- * struct gx_motion_event event;
- * struct gx_vector target;
- * int length;
+ *     struct gx_motion_event event;
+ *     struct gx_vector target;
+ *     int length;
  *
- * taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
- * while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
- *     if (event.kind == GX_MOTION_STOP && motors_stop() == 0)
- *         gx_motion_stop(&motion, 0);
- * motors_count(steps);
- * gx_motion_set_position(&motion, steps);
- * if (motors_have_arrived())
- *     gx_motion_done(&motion);
- * if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
- *     motors_start(target.mask, target.axes, target.velocity);
- * if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
+ *     while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
+ *         if (event.kind == GX_MOTION_STOP && motors_stop() == 0)
+ *             gx_motion_stop(&motion, 0);
+ *     motors_count(steps);
+ *     gx_motion_set_position(&motion, steps);
+ *     if (motors_have_arrived())
+ *         gx_motion_done(&motion);
+ *     if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
+ *         motors_start(target.mask, target.axes, target.velocity);
+ *     if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
  *
  * From power-up on, moves are taken as the proposal has it, with any number or none, until a host begins a session,
  * which makes up for what the line loses, delays or splits: see gx_motion_receive. Set only_in_order where only such
@@ -140,11 +138,9 @@ struct gx_motion_health {
  * Begins a motion side. settings are copied; NULL stands for the defaults, which memory that is all zero has too.
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
- * ```c
- * struct gx_motion_settings settings = {0};
- * settings.axes = 1 | 2 | 4;
- * gx_motion_init(&motion, &settings);
- * ```
+ *     struct gx_motion_settings settings = {0};
+ *     settings.axes = 1 | 2 | 4;
+ *     gx_motion_init(&motion, &settings);
  */
 int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *settings) GX_SIZED(gx_motion_init);
 
@@ -162,11 +158,9 @@ int gx_motion_init(struct gx_motion *motion, const struct gx_motion_settings *se
  * Returns how many bytes were taken: all, or fewer when events or output have to be fetched first; give it the rest
  * then. Returns -`GX_RC_ERROR_GENERIC` when motion is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got; serve(&motion))
- *     taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     for (int taken = 0; taken < got; serve(&motion))
+ *         taken += gx_motion_receive(&motion, in + taken, got - taken, now_ms());
  */
 int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsigned long now_ms)
     GX_SIZED(gx_motion_receive);
@@ -176,11 +170,9 @@ int gx_motion_receive(struct gx_motion *motion, const void *buf, int bytes, unsi
  * Returns `GX_RC_SUCCESS` and the event, `GX_RC_NO_EVENT` when there is none (kind is 0 then), or
  * `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct gx_motion_event event;
- * while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
- *     printf("event %d\n", event.kind);
- * ```
+ *     struct gx_motion_event event;
+ *     while (gx_motion_poll(&motion, now_ms(), &event) == GX_RC_SUCCESS)
+ *         printf("event %d\n", event.kind);
  */
 int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_motion_event *event)
     GX_SIZED(gx_motion_poll);
@@ -193,11 +185,9 @@ int gx_motion_poll(struct gx_motion *motion, unsigned long now_ms, struct gx_mot
  *
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when there is none, or `GX_RC_ERROR_GENERIC` when motion or move is NULL.
  *
- * ```c
- * struct gx_vector target;
- * if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
- *     motors_start(target.mask, target.axes, target.velocity);
- * ```
+ *     struct gx_vector target;
+ *     if (motors_state() == 0 && gx_motion_next(&motion, &target, NULL) == GX_RC_SUCCESS)
+ *         motors_start(target.mask, target.axes, target.velocity);
  */
 int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number) GX_SIZED(gx_motion_next);
 
@@ -205,10 +195,8 @@ int gx_motion_next(struct gx_motion *motion, struct gx_vector *move, int *number
  * Says that the oldest of the moves fetched has been carried out. Its number, if it has one, is reported to the host.
  * Returns `GX_RC_SUCCESS`, `GX_RC_NO_EVENT` when none was fetched, or `GX_RC_ERROR_GENERIC` when motion is NULL.
  *
- * ```c
- * if (motors_have_arrived())
- *     gx_motion_done(&motion);
- * ```
+ *     if (motors_have_arrived())
+ *         gx_motion_done(&motion);
  */
 int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
 
@@ -221,10 +209,8 @@ int gx_motion_done(struct gx_motion *motion) GX_SIZED(gx_motion_done);
  *
  * Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when motion is NULL or code is another.
  *
- * ```c
- * if (stop_is_pressed() && motors_stop() == 0)
- *     gx_motion_stop(&motion, 0);
- * ```
+ *     if (stop_is_pressed() && motors_stop() == 0)
+ *         gx_motion_stop(&motion, 0);
  */
 int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED(gx_motion_stop);
 
@@ -233,11 +219,9 @@ int gx_motion_stop(struct gx_motion *motion, int code) GX_SIZED(gx_motion_stop);
  * positioned yet. position holds `GX_AXES` values in steps, x first. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC`
  * when a pointer is NULL or a value is not a position (28 bits): nothing changes then.
  *
- * ```c
- * int32_t steps[GX_AXES];
- * motors_count(steps);
- * gx_motion_set_position(&motion, steps);
- * ```
+ *     int32_t steps[GX_AXES];
+ *     motors_count(steps);
+ *     gx_motion_set_position(&motion, steps);
  */
 int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX_SIZED(gx_motion_set_position);
 
@@ -248,10 +232,8 @@ int gx_motion_set_position(struct gx_motion *motion, const int32_t *position) GX
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next notice, or
  * -`GX_RC_ERROR_GENERIC` when motion is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
- * ```c
- * if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = gx_motion_output(&motion, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
  */
 int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long now_ms) GX_SIZED(gx_motion_output);
 
@@ -260,30 +242,24 @@ int gx_motion_output(struct gx_motion *motion, void *buf, int cap, unsigned long
  * when all events and output were fetched. Returns milliseconds, or -1 when they need not be called at all or motion
  * is NULL.
  *
- * ```c
- * wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
- * ```
+ *     wait_readable(&uart, gx_motion_next_deadline(&motion, now_ms()));
  */
 long gx_motion_next_deadline(const struct gx_motion *motion, unsigned long now_ms) GX_SIZED(gx_motion_next_deadline);
 
 /**
  * How many moves are queued or being carried out; 0 also when motion is NULL.
  *
- * ```c
- * if (gx_motion_unfinished(&motion) == 0)
- *     motors_stop();
- * ```
+ *     if (gx_motion_unfinished(&motion) == 0)
+ *         motors_stop();
  */
 int gx_motion_unfinished(const struct gx_motion *motion) GX_SIZED(gx_motion_unfinished);
 
 /**
  * Copies out what was seen. Returns `GX_RC_SUCCESS`, or `GX_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct gx_motion_health health;
- * if (gx_motion_get_health(&motion, &health) == GX_RC_SUCCESS)
- *     printf("%lu moves, %lu refused\n", health.moves, health.refused);
- * ```
+ *     struct gx_motion_health health;
+ *     if (gx_motion_get_health(&motion, &health) == GX_RC_SUCCESS)
+ *         printf("%lu moves, %lu refused\n", health.moves, health.refused);
  */
 int gx_motion_get_health(const struct gx_motion *motion, struct gx_motion_health *health)
     GX_SIZED(gx_motion_get_health);

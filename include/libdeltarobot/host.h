@@ -4,28 +4,26 @@
  *
  * A session does no I/O. A loop around it, from the first request on:
  *
- * ```c
- * struct dp_host_event event;
- * char in[64], out[DP_HOST_OUTPUT_MAX];
- * int got = 0, taken = 0, length;
+ *     struct dp_host_event event;
+ *     char in[64], out[DP_HOST_OUTPUT_MAX];
+ *     int got = 0, taken = 0, length;
  *
- * dp_host_init(&host, NULL);
- * dp_host_home(&host);
- * for (;;) {
- *     while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
- *         handle_event(&event);
- *     if ((length = dp_host_output(&host, out, sizeof out, now_ms())) > 0)
- *         uart_write(&uart, out, length);
- *     if (is_over())
- *         break;
- *     if (taken == got) {
- *         wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
- *         taken = 0;
- *         got = uart_read(&uart, in, sizeof in);
+ *     dp_host_init(&host, NULL);
+ *     dp_host_home(&host);
+ *     for (;;) {
+ *         while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+ *             handle_event(&event);
+ *         if ((length = dp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *             uart_write(&uart, out, length);
+ *         if (is_over())
+ *             break;
+ *         if (taken == got) {
+ *             wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
+ *             taken = 0;
+ *             got = uart_read(&uart, in, sizeof in);
+ *         }
+ *         taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
  *     }
- *     taken += dp_host_receive(&host, in + taken, got - taken, now_ms());
- * }
- * ```
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/host.rs by `make header`.
@@ -178,11 +176,9 @@ struct dp_host_health {
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * struct dp_host_settings settings = {0};
- * settings.messages = 1;
- * dp_host_init(&host, &settings);
- * ```
+ *     struct dp_host_settings settings = {0};
+ *     settings.messages = 1;
+ *     dp_host_init(&host, &settings);
  */
 int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) DP_SIZED(dp_host_init);
 
@@ -191,10 +187,8 @@ int dp_host_init(struct dp_host *host, const struct dp_host_settings *settings) 
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * if (dp_host_home(&host) == DP_RC_BUSY)
- *     puts("first, DP_HOST_ENDED has to come");
- * ```
+ *     if (dp_host_home(&host) == DP_RC_BUSY)
+ *         puts("first, DP_HOST_ENDED has to come");
  */
 int dp_host_home(struct dp_host *host) DP_SIZED(dp_host_home);
 
@@ -204,11 +198,9 @@ int dp_host_home(struct dp_host *host) DP_SIZED(dp_host_home);
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while an operation is going on, or `DP_RC_ERROR_GENERIC` when a pointer is
  * NULL, a coordinate is a NaN or infinite, or `DP_DATA_MAX_SIZE` is below 12.
  *
- * ```c
- * const struct protocol_msg_position target = {1, 2, -3.5f};
- * if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
- *     puts("no robot can go there");
- * ```
+ *     const struct protocol_msg_position target = {1, 2, -3.5f};
+ *     if (dp_host_move(&host, &target) == DP_RC_ERROR_GENERIC)
+ *         puts("no robot can go there");
  */
 int dp_host_move(struct dp_host *host, const struct protocol_msg_position *target) DP_SIZED(dp_host_move);
 
@@ -218,10 +210,8 @@ int dp_host_move(struct dp_host *host, const struct protocol_msg_position *targe
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * if (stop_is_pressed())
- *     dp_host_cancel(&host);
- * ```
+ *     if (stop_is_pressed())
+ *         dp_host_cancel(&host);
  */
 int dp_host_cancel(struct dp_host *host) DP_SIZED(dp_host_cancel);
 
@@ -230,10 +220,8 @@ int dp_host_cancel(struct dp_host *host) DP_SIZED(dp_host_cancel);
  *
  * Returns `DP_RC_SUCCESS`, `DP_RC_BUSY` while one is being requested, or `DP_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
- *     asked_at = now_ms();
- * ```
+ *     if (now_ms() - asked_at >= 1000 && dp_host_status(&host) == DP_RC_SUCCESS)
+ *         asked_at = now_ms();
  */
 int dp_host_status(struct dp_host *host) DP_SIZED(dp_host_status);
 
@@ -243,10 +231,8 @@ int dp_host_status(struct dp_host *host) DP_SIZED(dp_host_status);
  * Returns how many were taken: all, or as many as fit. The rest fits when `dp_host_poll` has no more events. Returns
  * -`DP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * for (int taken = 0; taken < length; handle_events(&host))
- *     taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
- * ```
+ *     for (int taken = 0; taken < length; handle_events(&host))
+ *         taken += dp_host_receive(&host, in + taken, length - taken, now_ms());
  */
 int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned long now_ms) DP_SIZED(dp_host_receive);
 
@@ -257,12 +243,10 @@ int dp_host_receive(struct dp_host *host, const void *buf, int bytes, unsigned l
  * Returns `DP_RC_SUCCESS` and the event, `DP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `DP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct dp_host_event event;
- * while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
- *     if (event.kind == DP_HOST_ENDED)
- *         printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
- * ```
+ *     struct dp_host_event event;
+ *     while (dp_host_poll(&host, now_ms(), &event) == DP_RC_SUCCESS)
+ *         if (event.kind == DP_HOST_ENDED)
+ *             printf("%s: outcome %d\n", dp_opcode_name(event.opcode), event.outcome);
  */
 int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_event *event) DP_SIZED(dp_host_poll);
 
@@ -272,11 +256,9 @@ int dp_host_poll(struct dp_host *host, unsigned long now_ms, struct dp_host_even
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next frame, or
  * -`DP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
- * ```c
- * int length = dp_host_output(&host, out, sizeof out, now_ms());
- * if (length > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     int length = dp_host_output(&host, out, sizeof out, now_ms());
+ *     if (length > 0)
+ *         uart_write(&uart, out, length);
  */
 int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_ms) DP_SIZED(dp_host_output);
 
@@ -284,30 +266,24 @@ int dp_host_output(struct dp_host *host, void *buf, int cap, unsigned long now_m
  * Returns how many milliseconds `dp_host_poll` need not be called if nothing is received or requested, as poll(2) takes
  * them: -1 when not at all, or host is NULL. Ask when events and output were fetched.
  *
- * ```c
- * wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
- * ```
+ *     wait_readable(&uart, dp_host_next_deadline(&host, now_ms()));
  */
 long dp_host_next_deadline(const struct dp_host *host, unsigned long now_ms) DP_SIZED(dp_host_next_deadline);
 
 /**
  * Whether an operation is going on: 1, or 0, also when host is NULL.
  *
- * ```c
- * if (!dp_host_busy(&host))
- *     dp_host_home(&host);
- * ```
+ *     if (!dp_host_busy(&host))
+ *         dp_host_home(&host);
  */
 int dp_host_busy(const struct dp_host *host) DP_SIZED(dp_host_busy);
 
 /**
  * Copies the statistics. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct dp_host_health health;
- * if (dp_host_get_health(&host, &health) == DP_RC_SUCCESS && health.rtt_count > 0)
- *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
- * ```
+ *     struct dp_host_health health;
+ *     if (dp_host_get_health(&host, &health) == DP_RC_SUCCESS && health.rtt_count > 0)
+ *         printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  */
 int dp_host_get_health(const struct dp_host *host, struct dp_host_health *health) DP_SIZED(dp_host_get_health);
 

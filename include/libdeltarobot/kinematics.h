@@ -6,11 +6,9 @@
  * lie in one plane, which turns about the line A1A3; leg 2 ends off that plane, on the side of A2. The pose is the
  * place of the edge's middle. docs/kinematics.md has the formulas.
  *
- * ```c
- * struct dp_robot_configuration configuration = {
- *     { 0.12f, 0.0f, 0.10f }, { 0.38f, 0.0f, 0.25f }, { 0.12f, 0.0f, 0.40f }, 0.15f, 0.08f
- * };
- * ```
+ *     struct dp_robot_configuration configuration = {
+ *         { 0.12f, 0.0f, 0.10f }, { 0.38f, 0.0f, 0.25f }, { 0.12f, 0.0f, 0.40f }, 0.15f, 0.08f
+ *     };
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/kinematics.rs by `make header`.
@@ -51,11 +49,9 @@ struct dp_robot_configuration {
  * A1A3 or where leg 2 is perpendicular to the plane of the others; or `DP_RC_ERROR_GENERIC` when a pointer is NULL, a
  * number is not finite or too large, or A1 and A3 are one point. On an error, lengths is left as it was.
  *
- * ```c
- * float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
- * if (dp_kinematics_inverse(&configuration, pose, lengths) == DP_RC_SUCCESS)
- *     printf("%f %f %f\n", lengths[0], lengths[1], lengths[2]);
- * ```
+ *     float pose[3] = { 0.25f, 0.4f, 0.25f }, lengths[3];
+ *     if (dp_kinematics_inverse(&configuration, pose, lengths) == DP_RC_SUCCESS)
+ *         printf("%f %f %f\n", lengths[0], lengths[1], lengths[2]);
  */
 int dp_kinematics_inverse(const struct dp_robot_configuration *configuration, const float *pose, float *lengths);
 
@@ -69,11 +65,9 @@ int dp_kinematics_inverse(const struct dp_robot_configuration *configuration, co
  * `DP_RC_NO_POSE` when no pose has these lengths, or A1, A2 and A3 are in line; or `DP_RC_ERROR_GENERIC` as
  * `dp_kinematics_inverse` does. On an error, pose is left as it was.
  *
- * ```c
- * float lengths[3] = { 0.43f, 0.38f, 0.43f }, pose[3];
- * if (dp_kinematics_forward(&configuration, lengths, pose) == DP_RC_SUCCESS)
- *     printf("%f %f %f\n", pose[0], pose[1], pose[2]);
- * ```
+ *     float lengths[3] = { 0.43f, 0.38f, 0.43f }, pose[3];
+ *     if (dp_kinematics_forward(&configuration, lengths, pose) == DP_RC_SUCCESS)
+ *         printf("%f %f %f\n", pose[0], pose[1], pose[2]);
  */
 int dp_kinematics_forward(const struct dp_robot_configuration *configuration, const float *lengths, float *pose);
 

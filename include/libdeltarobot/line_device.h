@@ -5,39 +5,34 @@
  *
  * A main loop around it:
  *
- * ```c
- * unsigned char in[64];
- * int got = 0, taken = 0;
+ *     unsigned char in[64];
+ *     int got = 0, taken = 0;
  *
- * olp_device_init(&device, &table, &uart);
- * for (;;) {
- *     if (taken == got) {
- *         taken = 0;
- *         got = uart_read(&uart, in, sizeof in);
+ *     olp_device_init(&device, &table, &uart);
+ *     for (;;) {
+ *         if (taken == got) {
+ *             taken = 0;
+ *             got = uart_read(&uart, in, sizeof in);
+ *         }
+ *         taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
+ *         olp_device_poll(&device, now_ms());
+ *         if (there_is_news()) {
+ *             olp_begin(&event, text, sizeof text, "heaterinfo");
+ *             olp_add_float(&event, "temp", temperature, 2);
+ *             olp_device_event(&device, &event, "M1F910");
+ *         }
  *     }
- *     taken += olp_device_receive(&device, in + taken, got - taken, now_ms());
- *     olp_device_poll(&device, now_ms());
- *     if (there_is_news()) {
- *         olp_begin(&event, text, sizeof text, "heaterinfo");
- *         olp_add_float(&event, "temp", temperature, 2);
- *         olp_device_event(&device, &event, "M1F910");
- *     }
- * }
- * ```
  *
  * What it answers to what:
  *
- * ```text
- * intact command           ack if acks are in force, then <command>_resp
- * its repeat               the same again; it is not executed again (see repeat_ms)
- * linksetup                executed here: ack as newly settled, linksetup_resp; an option left out or not
- *                          understood stays as it is
- * unknown id or command    ack, onerror with code unknownid or unknowncommand, and the command's t
- * refused by its function  ack, onerror refused, and the command's t
- * executed, but the answer can't be sent    ack, onerror toolong, and the command's t
- * wrong checksum, missing checksum when one is in force, too long, unreadable
- *                          onerror with code checksum, overflow or malformed; nothing is executed
- * ```
+ * - an intact command: ack if acks are in force, then `<command>_resp`
+ * - its repeat: the same again; it is not executed again (see repeat_ms)
+ * - linksetup: executed here; ack as newly settled, linksetup_resp; an option left out or not understood stays as it is
+ * - an unknown id or command: ack, onerror with code unknownid or unknowncommand, and the command's t
+ * - one refused by its function: ack, onerror refused, and the command's t
+ * - one executed whose answer can't be sent: ack, onerror toolong, and the command's t
+ * - a wrong checksum, a missing one when one is in force, too long or unreadable lines: onerror with code checksum,
+ *   overflow or malformed; nothing is executed
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_device.rs by `make header`.
@@ -93,16 +88,14 @@ struct olp_device_info {
  * added behind them) to answer, which is begun. Returns 0, or anything else to refuse; what was added does not matter
  * then. Both are gone when the function returns. It may use the device, which however receives nothing meanwhile.
  *
- * ```c
- * int set_switch(const struct olp_message *command, struct olp_encoder *answer, void *usr)
- * {
- *     long state;
- *     if (olp_get_int(command, "state", 0, &state) != OLP_RC_SUCCESS)
- *         return -1;
- *     olp_add_int(answer, "state", switch_to(state));
- *     return 0;
- * }
- * ```
+ *     int set_switch(const struct olp_message *command, struct olp_encoder *answer, void *usr)
+ *     {
+ *         long state;
+ *         if (olp_get_int(command, "state", 0, &state) != OLP_RC_SUCCESS)
+ *             return -1;
+ *         olp_add_int(answer, "state", switch_to(state));
+ *         return 0;
+ *     }
  */
 typedef int (*olp_run_func_t)(const struct olp_message *command, struct olp_encoder *answer, void *usr);
 
@@ -120,12 +113,10 @@ struct olp_command {
  * Sends a line: so many bytes, the LF among them, gone when the function returns. Its result is ignored: who misses a
  * line asks again. It may use the device, which however receives nothing while a line is being answered.
  *
- * ```c
- * int send_line(const void *line, int bytes, void *usr)
- * {
- *     return uart_write((struct uart *)usr, line, bytes);
- * }
- * ```
+ *     int send_line(const void *line, int bytes, void *usr)
+ *     {
+ *         return uart_write((struct uart *)usr, line, bytes);
+ *     }
  */
 typedef int (*olp_send_func_t)(const void *line, int bytes, void *usr);
 
@@ -174,12 +165,10 @@ struct olp_device_health {
  * when device or table is NULL, or the table has no device, no `send`, an id that can't be or that two devices have,
  * or NULL where a text or an array has to be.
  *
- * ```c
- * static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
- * static const struct olp_command commands[] = {{0, "setswitch", set_switch}};
- * static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
- * olp_device_init(&device, &table, &uart);
- * ```
+ *     static const struct olp_device_info devices[] = {{"9o5qzg", "OzekiSwitchController", 0, 0, 0}};
+ *     static const struct olp_command commands[] = {{0, "setswitch", set_switch}};
+ *     static const struct olp_device_table table = {devices, 1, commands, 1, send_line, 0};
+ *     olp_device_init(&device, &table, &uart);
  */
 int olp_device_init(struct olp_device *device, const struct olp_device_table *table, void *usr)
     OLP_SIZED(olp_device_init);
@@ -188,9 +177,7 @@ int olp_device_init(struct olp_device *device, const struct olp_device_table *ta
  * Starts again, as after `olp_device_init`: to be called when another connection is made. Returns `OLP_RC_SUCCESS`, or
  * `OLP_RC_ERROR_GENERIC` when device is NULL or was not made by `olp_device_init`.
  *
- * ```c
- * olp_device_restart(&device);
- * ```
+ *     olp_device_restart(&device);
  */
 int olp_device_restart(struct olp_device *device) OLP_SIZED(olp_device_restart);
 
@@ -200,9 +187,7 @@ int olp_device_restart(struct olp_device *device) OLP_SIZED(olp_device_restart);
  * `OLP_WINDOW_MAX`. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when window is out of range, or device NULL or
  * not made by `olp_device_init`.
  *
- * ```c
- * olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
- * ```
+ *     olp_device_linksetup(&device, 1, 1, OLP_WINDOW_MAX);
  */
 int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int window) OLP_SIZED(olp_device_linksetup);
 
@@ -214,10 +199,8 @@ int olp_device_linksetup(struct olp_device *device, int ack, int checksum, int w
  * Returns how many bytes were taken, the rest being for after the next `olp_device_poll`; -`OLP_RC_ERROR_GENERIC` when
  * device is NULL or was not made by `olp_device_init`, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * for (int taken = 0; taken < length; olp_device_poll(&device, now_ms()))
- *     taken += olp_device_receive(&device, in + taken, length - taken, now_ms());
- * ```
+ *     for (int taken = 0; taken < length; olp_device_poll(&device, now_ms()))
+ *         taken += olp_device_receive(&device, in + taken, length - taken, now_ms());
  */
 int olp_device_receive(struct olp_device *device, const void *buf, int bytes, unsigned long now_ms)
     OLP_SIZED(olp_device_receive);
@@ -230,10 +213,8 @@ int olp_device_receive(struct olp_device *device, const void *buf, int bytes, un
  * `olp_device_init`; and when a command was executed but the answer can't be sent, `OLP_RC_TOO_LONG` or what else
  * `olp_finish` may say.
  *
- * ```c
- * while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
- *     ;
- * ```
+ *     while (olp_device_poll(&device, now_ms()) == OLP_RC_SUCCESS)
+ *         ;
  */
 int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED(olp_device_poll);
 
@@ -245,22 +226,18 @@ int olp_device_poll(struct olp_device *device, unsigned long now_ms) OLP_SIZED(o
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL, device was not made by `olp_device_init`, or it has no such id; or,
  * when the event can't be sent, what is wrong with it: `OLP_RC_TOO_LONG` or what else `olp_finish` may say.
  *
- * ```c
- * olp_begin(&event, text, sizeof text, "heaterinfo");
- * olp_add_float(&event, "temp", 21.5f, 2);
- * olp_device_event(&device, &event, "M1F910");
- * ```
+ *     olp_begin(&event, text, sizeof text, "heaterinfo");
+ *     olp_add_float(&event, "temp", 21.5f, 2);
+ *     olp_device_event(&device, &event, "M1F910");
  */
 int olp_device_event(struct olp_device *device, struct olp_encoder *event, const char *id) OLP_SIZED(olp_device_event);
 
 /**
  * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct olp_device_health health;
- * if (olp_device_get_health(&device, &health) == OLP_RC_SUCCESS)
- *     printf("%lu commands, %lu of them repeated\n", health.commands, health.repeats);
- * ```
+ *     struct olp_device_health health;
+ *     if (olp_device_get_health(&device, &health) == OLP_RC_SUCCESS)
+ *         printf("%lu commands, %lu of them repeated\n", health.commands, health.repeats);
  */
 int olp_device_get_health(const struct olp_device *device, struct olp_device_health *health)
     OLP_SIZED(olp_device_get_health);

@@ -5,39 +5,35 @@
  *
  * A session does no I/O. A loop around it:
  *
- * ```c
- * struct olp_host_event event;
- * char in[64], out[OLP_COMMAND_MAX];
- * int got = 0, taken = 0, length;
+ *     struct olp_host_event event;
+ *     char in[64], out[OLP_COMMAND_MAX];
+ *     int got = 0, taken = 0, length;
  *
- * olp_host_init(&host, NULL);
- * for (;;) {
- *     while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
- *         handle_event(&event);
- *     while ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
- *         uart_write(&uart, out, length);
- *     if (is_over())
- *         break;
- *     if (taken == got) {
- *         wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
- *         taken = 0;
- *         got = uart_read(&uart, in, sizeof in);
+ *     olp_host_init(&host, NULL);
+ *     for (;;) {
+ *         while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+ *             handle_event(&event);
+ *         while ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *             uart_write(&uart, out, length);
+ *         if (is_over())
+ *             break;
+ *         if (taken == got) {
+ *             wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
+ *             taken = 0;
+ *             got = uart_read(&uart, in, sizeof in);
+ *         }
+ *         taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
  *     }
- *     taken += olp_host_receive(&host, in + taken, got - taken, now_ms());
- * }
- * ```
  *
  * handle_event() calls olp_host_setup at the first OLP_HOST_WELCOME, and olp_host_send when that setup has ended as
  * OLP_HOST_ANSWERED.
  *
  * What holds for the outcome of a command, if the device recognises repeats and the settings say so:
  *
- * ```text
- * acks on, checksums on    ANSWERED: executed once. REFUSED: not at all. Else once or not at all.
- * acks on, checksums off   the same, if no line to the device is damaged: it executes what arrives.
- * acks off                 the same, if no line is damaged and none takes longer than a timeout there and back.
- * checksums on             in any case: once or not at all.
- * ```
+ * - acks and checksums on: ANSWERED means executed once, REFUSED not at all, all else once or not at all
+ * - acks on, checksums off: the same, if no line to the device is damaged, as it executes what arrives
+ * - acks off: the same, if no line is damaged and none takes longer than a timeout there and back
+ * - checksums on: in any case once or not at all
  *
  * A board that does not recognise repeats, which is what is assumed, executes a command twice when its ack is lost; so
  * may a device that restarts in between. A damaged line has the right checksum once in some 65000. Answers have none:
@@ -247,11 +243,9 @@ struct olp_host_health {
  * Begins a session; settings are copied, NULL stands for the defaults. All zero is a session with these, too. Returns
  * `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when host is NULL.
  *
- * ```c
- * struct olp_host_settings settings = {0};
- * settings.recognises = 1;
- * olp_host_init(&host, &settings);
- * ```
+ *     struct olp_host_settings settings = {0};
+ *     settings.recognises = 1;
+ *     olp_host_init(&host, &settings);
  */
 int olp_host_init(struct olp_host *host, const struct olp_host_settings *settings) OLP_SIZED(olp_host_init);
 
@@ -267,11 +261,9 @@ int olp_host_init(struct olp_host *host, const struct olp_host_settings *setting
  * It travels alone: it is sent when all commands before it have ended, and those behind it when it has. It should be a
  * session's first command: a device that remembers an earlier session's, to recognise repeats, forgets them.
  *
- * ```c
- * struct olp_host_device device;
- * if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
- *     olp_host_setup(&host, device.id, 1, 1, -1);
- * ```
+ *     struct olp_host_device device;
+ *     if (olp_host_get_device(&host, 0, &device) == OLP_RC_SUCCESS)
+ *         olp_host_setup(&host, device.id, 1, 1, -1);
  */
 int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum, long windowsize)
     OLP_SIZED(olp_host_setup);
@@ -289,9 +281,7 @@ int olp_host_setup(struct olp_host *host, const char *id, int ack, int checksum,
  * when as many are kept (fetch events), -`OLP_RC_TOO_LONG`, -`OLP_RC_MALFORMED` when it is no such line or id is
  * empty, or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or length is negative. Nothing is queued then.
  *
- * ```c
- * int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
- * ```
+ *     int handle = olp_host_send(&host, "c=setswitch&state=1", 19, "9o5qzg");
  */
 int olp_host_send(struct olp_host *host, const char *command, int length, const char *id) OLP_SIZED(olp_host_send);
 
@@ -302,10 +292,8 @@ int olp_host_send(struct olp_host *host, const char *command, int length, const 
  * Returns how many bytes were taken, or -`OLP_RC_ERROR_GENERIC` when host is NULL, bytes is negative, or buf is NULL
  * and bytes is not 0.
  *
- * ```c
- * for (int taken = 0; taken < length; handle_events(&host))
- *     taken += olp_host_receive(&host, in + taken, length - taken, now_ms());
- * ```
+ *     for (int taken = 0; taken < length; handle_events(&host))
+ *         taken += olp_host_receive(&host, in + taken, length - taken, now_ms());
  */
 int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned long now_ms)
     OLP_SIZED(olp_host_receive);
@@ -318,11 +306,9 @@ int olp_host_receive(struct olp_host *host, const void *buf, int bytes, unsigned
  * Returns `OLP_RC_SUCCESS` and the event, `OLP_RC_NO_EVENT` when there is none (`kind` is 0 then), or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct olp_host_event event;
- * while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
- *     handle_event(&event);
- * ```
+ *     struct olp_host_event event;
+ *     while (olp_host_poll(&host, now_ms(), &event) == OLP_RC_SUCCESS)
+ *         handle_event(&event);
  */
 int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_event *event) OLP_SIZED(olp_host_poll);
 
@@ -333,10 +319,8 @@ int olp_host_poll(struct olp_host *host, unsigned long now_ms, struct olp_host_e
  * Returns how many bytes were written, 0 when there is nothing to send or no room for the next line, or
  * -`OLP_RC_ERROR_GENERIC` when host is NULL, cap is negative, or buf is NULL and cap is not 0.
  *
- * ```c
- * if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
- *     uart_write(&uart, out, length);
- * ```
+ *     if ((length = olp_host_output(&host, out, sizeof out, now_ms())) > 0)
+ *         uart_write(&uart, out, length);
  */
 int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now_ms) OLP_SIZED(olp_host_output);
 
@@ -345,9 +329,7 @@ int olp_host_output(struct olp_host *host, void *buf, int cap, unsigned long now
  * queued, as poll(2) takes it; -1 when they need not be called at all or host is NULL. Ask when there are no events
  * left and the output was fetched.
  *
- * ```c
- * wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
- * ```
+ *     wait_readable(&uart, olp_host_next_deadline(&host, now_ms()));
  */
 long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) OLP_SIZED(olp_host_next_deadline);
 
@@ -355,11 +337,9 @@ long olp_host_next_deadline(const struct olp_host *host, unsigned long now_ms) O
  * Copies what is in force on the link, as far as is known: at first, and after the device has restarted, neither acks
  * nor checksums, and a window of 1. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct olp_host_link link;
- * if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
- *     puts("lines have checksums");
- * ```
+ *     struct olp_host_link link;
+ *     if (olp_host_get_link(&host, &link) == OLP_RC_SUCCESS && link.checksum)
+ *         puts("lines have checksums");
  */
 int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) OLP_SIZED(olp_host_get_link);
 
@@ -368,11 +348,9 @@ int olp_host_get_link(const struct olp_host *host, struct olp_host_link *link) O
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND`, device being left alone, or `OLP_RC_ERROR_GENERIC` when a pointer is
  * NULL.
  *
- * ```c
- * struct olp_host_device device;
- * for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
- *     printf("%s: %s\n", device.id, device.type);
- * ```
+ *     struct olp_host_device device;
+ *     for (int i = 0; olp_host_get_device(&host, i, &device) == OLP_RC_SUCCESS; ++i)
+ *         printf("%s: %s\n", device.id, device.type);
  */
 int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_device *device)
     OLP_SIZED(olp_host_get_device);
@@ -380,11 +358,9 @@ int olp_host_get_device(const struct olp_host *host, int index, struct olp_host_
 /**
  * Copies how the link does. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  *
- * ```c
- * struct olp_host_health health;
- * if (olp_host_get_health(&host, &health) == OLP_RC_SUCCESS && health.rtt_count > 0)
- *     printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
- * ```
+ *     struct olp_host_health health;
+ *     if (olp_host_get_health(&host, &health) == OLP_RC_SUCCESS && health.rtt_count > 0)
+ *         printf("round trip: %lu ms on average\n", health.rtt_sum / health.rtt_count);
  */
 int olp_host_get_health(const struct olp_host *host, struct olp_host_health *health) OLP_SIZED(olp_host_get_health);
 

@@ -4,16 +4,14 @@
  *
  * Building a line: `olp_begin_command`, of a device `olp_begin`. Reading those received:
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * for (int taken = 0; taken < got;) {
- *     taken += olp_receive(&receiver, in + taken, got - taken, &line);
- *     if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
- *         olp_is(&message, "c", 0, "heaterinfo") &&
- *         olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
- *         show(temperature);
- * }
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     for (int taken = 0; taken < got;) {
+ *         taken += olp_receive(&receiver, in + taken, got - taken, &line);
+ *         if (line.kind == OLP_LINE_COMPLETE && olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS &&
+ *             olp_is(&message, "c", 0, "heaterinfo") &&
+ *             olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
+ *             show(temperature);
+ *     }
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/line_protocol.rs by `make header`.
@@ -127,9 +125,7 @@ struct olp_param {
 /**
  * Makes a receiver empty, as it is when all zero. Returns `OLP_RC_SUCCESS`, or `OLP_RC_ERROR_GENERIC` for NULL.
  *
- * ```c
- * olp_receiver_init(&receiver);
- * ```
+ *     olp_receiver_init(&receiver);
  */
 int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED(olp_receiver_init);
 
@@ -140,13 +136,11 @@ int olp_receiver_init(struct olp_receiver *receiver) OLP_SIZED(olp_receiver_init
  * Returns how many bytes were taken: when fewer than there are, it is to be called again with the rest; or
  * -`OLP_RC_ERROR_GENERIC` when receiver or line is NULL, bytes negative, or buf NULL and bytes not 0.
  *
- * ```c
- * for (int taken = 0; taken < length;) {
- *     taken += olp_receive(&receiver, in + taken, length - taken, &line);
- *     if (line.kind == OLP_LINE_COMPLETE)
- *         puts(line.text);
- * }
- * ```
+ *     for (int taken = 0; taken < length;) {
+ *         taken += olp_receive(&receiver, in + taken, length - taken, &line);
+ *         if (line.kind == OLP_LINE_COMPLETE)
+ *             puts(line.text);
+ *     }
  */
 int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struct olp_line *line)
     OLP_SIZED(olp_receive);
@@ -161,11 +155,9 @@ int olp_receive(struct olp_receiver *receiver, const void *buf, int bytes, struc
  * Returns `OLP_RC_SUCCESS`; `OLP_RC_NAME` when command is empty or has other bytes than `[A-Za-z0-9_]`,
  * `OLP_RC_TOO_LONG` when it does not fit; or `OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative.
  *
- * ```c
- * olp_begin(&encoder, text, sizeof text, "heaterinfo");
- * olp_add_float(&encoder, "temp", 21.5f, 2);
- * length = olp_finish(&encoder, 1);
- * ```
+ *     olp_begin(&encoder, text, sizeof text, "heaterinfo");
+ *     olp_add_float(&encoder, "temp", 21.5f, 2);
+ *     length = olp_finish(&encoder, 1);
  */
 int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *command);
 
@@ -173,15 +165,13 @@ int olp_begin(struct olp_encoder *encoder, char *buf, int cap, const char *comma
  * Like `olp_begin`, for a line that a PC sends: of at most `OLP_COMMAND_MAX` bytes, checksum and line feed counted,
  * and no more than the buffer. If it is too long, leave out parameters that the device does not need.
  *
- * ```c
- * char text[OLP_COMMAND_MAX];
- * struct olp_encoder encoder;
- * olp_begin_command(&encoder, text, sizeof text, "setswitch");
- * olp_add_int(&encoder, "state", 1);
- * olp_add_string(&encoder, "id", "9o5qzg");
- * if ((length = olp_finish(&encoder, 1)) > 0)
- *     uart_write(&uart, text, length);
- * ```
+ *     char text[OLP_COMMAND_MAX];
+ *     struct olp_encoder encoder;
+ *     olp_begin_command(&encoder, text, sizeof text, "setswitch");
+ *     olp_add_int(&encoder, "state", 1);
+ *     olp_add_string(&encoder, "id", "9o5qzg");
+ *     if ((length = olp_finish(&encoder, 1)) > 0)
+ *         uart_write(&uart, text, length);
  */
 int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const char *command);
 
@@ -193,18 +183,14 @@ int olp_begin_command(struct olp_encoder *encoder, char *buf, int cap, const cha
  * `OLP_RC_TOO_LONG` when the line does not fit; `OLP_RC_ERROR_GENERIC` when a pointer is NULL; or what an earlier call
  * for this line returned.
  *
- * ```c
- * olp_add_string(&encoder, "name", "Kitchen lamp");
- * ```
+ *     olp_add_string(&encoder, "name", "Kitchen lamp");
  */
 int olp_add_string(struct olp_encoder *encoder, const char *name, const char *text);
 
 /**
  * Like `olp_add_string`, for length bytes, zero bytes among them; `OLP_RC_ERROR_GENERIC` also when length is negative.
  *
- * ```c
- * olp_add_bytes(&encoder, "serial", in, 4);
- * ```
+ *     olp_add_bytes(&encoder, "serial", in, 4);
  */
 int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *text, int length);
 
@@ -212,18 +198,14 @@ int olp_add_bytes(struct olp_encoder *encoder, const char *name, const void *tex
  * Adds a value that is encoded already, such as one of a received line: unchanged. Returns what `olp_add_bytes` does;
  * `OLP_RC_MALFORMED` when the value has an `&`, a CR or an LF in it, or a `%` without its two digits.
  *
- * ```c
- * olp_add_raw(&encoder, "t", param.value, param.value_length);
- * ```
+ *     olp_add_raw(&encoder, "t", param.value, param.value_length);
  */
 int olp_add_raw(struct olp_encoder *encoder, const char *name, const char *value, int length);
 
 /**
  * Adds an integer, in decimal. Returns what `olp_add_string` does.
  *
- * ```c
- * olp_add_int(&encoder, "state", 1);
- * ```
+ *     olp_add_int(&encoder, "state", 1);
  */
 int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
 
@@ -231,18 +213,14 @@ int olp_add_int(struct olp_encoder *encoder, const char *name, long value);
  * Adds a float as `printf("%.*f", decimals, value)` writes it, a tie rounded to the even digit. Returns what
  * `olp_add_string` does; `OLP_RC_RANGE` when value is not finite, or decimals not 0 to `OLP_DECIMALS_MAX`.
  *
- * ```c
- * olp_add_float(&encoder, "temp", 21.5f, 2);
- * ```
+ *     olp_add_float(&encoder, "temp", 21.5f, 2);
  */
 int olp_add_float(struct olp_encoder *encoder, const char *name, float value, int decimals);
 
 /**
  * Adds the lower 16 bits of value as four hexadecimal digits in lower case. Returns what `olp_add_string` does.
  *
- * ```c
- * olp_add_hex(&encoder, "checksum", message.sum);
- * ```
+ *     olp_add_hex(&encoder, "checksum", message.sum);
  */
 int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int value);
 
@@ -254,9 +232,7 @@ int olp_add_hex(struct olp_encoder *encoder, const char *name, unsigned int valu
  * or -`OLP_RC_TOO_LONG` when checksum and line feed do not fit: the first byte of the buffer, if it has one, is zero
  * then; or -`OLP_RC_ERROR_GENERIC` when encoder is NULL or its line was ended already.
  *
- * ```c
- * length = olp_finish(&encoder, 1);
- * ```
+ *     length = olp_finish(&encoder, 1);
  */
 int olp_finish(struct olp_encoder *encoder, int checksum);
 
@@ -265,9 +241,7 @@ int olp_finish(struct olp_encoder *encoder, int checksum);
  * to 7. Both begin at 255, and neither is ever 0: of no bytes it is 0xFFFF, of a NULL pointer or a negative length
  * too.
  *
- * ```c
- * printf("%04x\n", olp_fletcher16(line.text, line.length));
- * ```
+ *     printf("%04x\n", olp_fletcher16(line.text, line.length));
  */
 unsigned int olp_fletcher16(const void *bytes, int length);
 
@@ -275,9 +249,7 @@ unsigned int olp_fletcher16(const void *bytes, int length);
  * The checksum of bytes whose beginning has the checksum sum, as far as that has 16 bits: 0xFFFF when there is none.
  * It is sum itself when bytes is NULL or length not positive.
  *
- * ```c
- * printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
- * ```
+ *     printf("%04x\n", olp_fletcher16_more(olp_fletcher16("c=go&", 5), "x=34", 4));
  */
 unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length);
 
@@ -290,10 +262,8 @@ unsigned int olp_fletcher16_more(unsigned int sum, const void *bytes, int length
  * lacks its two hexadecimal digits or a line feed stands within the line; or `OLP_RC_ERROR_GENERIC` when a pointer is
  * NULL or length negative. Unless it succeeds, message is empty.
  *
- * ```c
- * if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
- *     handle_message(&message);
- * ```
+ *     if (olp_parse(line.text, line.length, &message) == OLP_RC_SUCCESS && message.checksum != OLP_CHECKSUM_WRONG)
+ *         handle_message(&message);
  */
 int olp_parse(const char *line, int length, struct olp_message *message);
 
@@ -304,10 +274,8 @@ int olp_parse(const char *line, int length, struct olp_message *message);
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_NOT_FOUND` when there is none, or `OLP_RC_ERROR_GENERIC` when a pointer is NULL.
  * Unless it succeeds, param is left as it was.
  *
- * ```c
- * for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
- *     printf("%.*s\n", param.name_length, param.name);
- * ```
+ *     for (int i = 0; olp_param_at(&message, i, &param) == OLP_RC_SUCCESS; ++i)
+ *         printf("%.*s\n", param.name_length, param.name);
  */
 int olp_param_at(const struct olp_message *message, int index, struct olp_param *param);
 
@@ -315,10 +283,8 @@ int olp_param_at(const struct olp_message *message, int index, struct olp_param 
  * Finds a parameter by its name, a string. Names repeat: occurrence selects one of that name, 0 the first. The command
  * is the first `c`. Returns what `olp_param_at` does.
  *
- * ```c
- * if (olp_find(&message, "id", 0, &param) == OLP_RC_SUCCESS)
- *     printf("from %.*s\n", param.value_length, param.value);
- * ```
+ *     if (olp_find(&message, "id", 0, &param) == OLP_RC_SUCCESS)
+ *         printf("from %.*s\n", param.value_length, param.value);
  */
 int olp_find(const struct olp_message *message, const char *name, int occurrence, struct olp_param *param);
 
@@ -329,11 +295,9 @@ int olp_find(const struct olp_message *message, const char *name, int occurrence
  * Returns `OLP_RC_SUCCESS`, `OLP_RC_MALFORMED` when the value is none, `OLP_RC_RANGE` when a long does not hold it, or
  * `OLP_RC_ERROR_GENERIC` when a pointer is NULL. Unless it succeeds, value is left as it was.
  *
- * ```c
- * long state;
- * if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
- *     switch_to(state);
- * ```
+ *     long state;
+ *     if (olp_value_int(&param, &state) == OLP_RC_SUCCESS)
+ *         switch_to(state);
  */
 int olp_value_int(const struct olp_param *param, long *value);
 
@@ -341,10 +305,8 @@ int olp_value_int(const struct olp_param *param, long *value);
  * Reads a parameter's value as a decimal number, such as `-1000.00` or `1e3`, perhaps with spaces around it: the
  * nearest float, no infinity or NaN. Returns what `olp_value_int` does; `OLP_RC_RANGE` beyond the largest float.
  *
- * ```c
- * if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
- *     show(temperature);
- * ```
+ *     if (olp_value_float(&param, &temperature) == OLP_RC_SUCCESS)
+ *         show(temperature);
  */
 int olp_value_float(const struct olp_param *param, float *value);
 
@@ -355,60 +317,48 @@ int olp_value_float(const struct olp_param *param, float *value);
  * an empty string if cap is not 0; or -`OLP_RC_ERROR_GENERIC` when a pointer is NULL or cap negative (buf may be NULL
  * when cap is 0).
  *
- * ```c
- * if (olp_value_string(&param, text, sizeof text) >= 0)
- *     puts(text);
- * ```
+ *     if (olp_value_string(&param, text, sizeof text) >= 0)
+ *         puts(text);
  */
 int olp_value_string(const struct olp_param *param, char *buf, int cap);
 
 /**
  * Returns 1 if a parameter's decoded value is that text, a string; else, and when a pointer is NULL, 0.
  *
- * ```c
- * int has_started = olp_value_is(&param, "welcome");
- * ```
+ *     int has_started = olp_value_is(&param, "welcome");
  */
 int olp_value_is(const struct olp_param *param, const char *text);
 
 /**
  * `olp_find` and `olp_value_int` in one: returns what they do.
  *
- * ```c
- * long state;
- * if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
- *     switch_to(state);
- * ```
+ *     long state;
+ *     if (olp_get_int(&message, "state", 0, &state) == OLP_RC_SUCCESS)
+ *         switch_to(state);
  */
 int olp_get_int(const struct olp_message *message, const char *name, int occurrence, long *value);
 
 /**
  * `olp_find` and `olp_value_float` in one: returns what they do.
  *
- * ```c
- * if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
- *     show(temperature);
- * ```
+ *     if (olp_get_float(&message, "temp", 0, &temperature) == OLP_RC_SUCCESS)
+ *         show(temperature);
  */
 int olp_get_float(const struct olp_message *message, const char *name, int occurrence, float *value);
 
 /**
  * `olp_find` and `olp_value_string` in one: returns what they do; if -`OLP_RC_NOT_FOUND`, buf is left as it was.
  *
- * ```c
- * if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)
- *     puts(text);
- * ```
+ *     if (olp_get_string(&message, "name", 0, text, sizeof text) >= 0)
+ *         puts(text);
  */
 int olp_get_string(const struct olp_message *message, const char *name, int occurrence, char *buf, int cap);
 
 /**
  * `olp_find` and `olp_value_is` in one. Returns 1 or 0; 0 when there is no such parameter or a pointer is NULL.
  *
- * ```c
- * if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
- *     handle_message(&message);
- * ```
+ *     if (olp_is(&message, "c", 0, "heaterinfo") && olp_is(&message, "id", 0, "M1F910"))
+ *         handle_message(&message);
  */
 int olp_is(const struct olp_message *message, const char *name, int occurrence, const char *text);
 

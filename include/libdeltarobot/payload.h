@@ -52,10 +52,8 @@ extern "C" {
  *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` and leaves msg alone when it is NULL or opcode none of these.
  *
- * ```c
- * if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
- *     dp_send(&msg, uart_send, &uart);
- * ```
+ *     if (dp_build(&msg, DP_OPCODE_STATUS) == DP_RC_SUCCESS)
+ *         dp_send(&msg, uart_send, &uart);
  */
 int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED(dp_build);
 
@@ -63,22 +61,18 @@ int dp_build(struct protocol_msg *msg, unsigned char opcode) DP_SIZED(dp_build);
  * Builds an acknowledgement of the request with the opcode answered, which is not checked. Returns `DP_RC_SUCCESS`, or
  * `DP_RC_ERROR_GENERIC` when msg is NULL.
  *
- * ```c
- * struct protocol_msg answer;
- * dp_build_ack(&answer, msg.opcode);
- * dp_send(&answer, uart_send, &uart);
- * ```
+ *     struct protocol_msg answer;
+ *     dp_build_ack(&answer, msg.opcode);
+ *     dp_send(&answer, uart_send, &uart);
  */
 int dp_build_ack(struct protocol_msg *msg, unsigned char answered) DP_SIZED(dp_build_ack);
 
 /**
  * Builds a refusal, as `dp_build_ack` builds an acknowledgement.
  *
- * ```c
- * struct protocol_msg answer;
- * dp_build_nack(&answer, DP_OPCODE_MOVE);
- * dp_send(&answer, uart_send, &uart);
- * ```
+ *     struct protocol_msg answer;
+ *     dp_build_nack(&answer, DP_OPCODE_MOVE);
+ *     dp_send(&answer, uart_send, &uart);
  */
 int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED(dp_build_nack);
 
@@ -86,11 +80,9 @@ int dp_build_nack(struct protocol_msg *msg, unsigned char answered) DP_SIZED(dp_
  * Builds a request to move to a position. Its floats are copied bit by bit, NaNs too. Returns `DP_RC_SUCCESS`, or
  * `DP_RC_ERROR_GENERIC` and leaves msg alone when a pointer is NULL or `DP_DATA_MAX_SIZE` below 12.
  *
- * ```c
- * const struct protocol_msg_position target = {1, 2, -3.5f};
- * if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
- *     dp_send(&msg, uart_send, &uart);
- * ```
+ *     const struct protocol_msg_position target = {1, 2, -3.5f};
+ *     if (dp_build_move(&msg, &target) == DP_RC_SUCCESS)
+ *         dp_send(&msg, uart_send, &uart);
  */
 int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *target) DP_SIZED(dp_build_move);
 
@@ -100,11 +92,9 @@ int dp_build_move(struct protocol_msg *msg, const struct protocol_msg_position *
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when a pointer is NULL, the layout is none of these, or
  * `DP_DATA_MAX_SIZE` is below the 16 or 13 bytes that it takes: msg is left as it was.
  *
- * ```c
- * const struct protocol_msg_status_report report = {1, 2, -3.5f, DP_STATUS_IDLE | DP_BIT_STAT_STOP_A_BIT};
- * if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
- *     dp_send(&msg, uart_send, &uart);
- * ```
+ *     const struct protocol_msg_status_report report = {1, 2, -3.5f, DP_STATUS_IDLE | DP_BIT_STAT_STOP_A_BIT};
+ *     if (dp_build_status_report(&msg, &report, DP_LAYOUT_FIRMWARE) == DP_RC_SUCCESS)
+ *         dp_send(&msg, uart_send, &uart);
  */
 int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_status_report *report, int layout)
     DP_SIZED(dp_build_status_report);
@@ -113,11 +103,9 @@ int dp_build_status_report(struct protocol_msg *msg, const struct protocol_msg_s
  * Whether a message is one of the specification's, with a known opcode and a payload of its length. Returns
  * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when it is not or msg is NULL.
  *
- * ```c
- * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
- *     if (dp_msg_check(&msg) == DP_RC_SUCCESS)
- *         handle(&msg);
- * ```
+ *     while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *         if (dp_msg_check(&msg) == DP_RC_SUCCESS)
+ *             handle(&msg);
  */
 int dp_msg_check(const struct protocol_msg *msg) DP_SIZED(dp_msg_check);
 
@@ -125,11 +113,9 @@ int dp_msg_check(const struct protocol_msg *msg) DP_SIZED(dp_msg_check);
  * Reads from an ack or a nack which opcode it answers. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, answered left
  * as it was, when msg is neither or not 1 byte long, or a pointer is NULL.
  *
- * ```c
- * unsigned char answered;
- * if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
- *     printf("refused: %s\n", dp_opcode_name(answered));
- * ```
+ *     unsigned char answered;
+ *     if (msg.opcode == DP_OPCODE_NACK && dp_read_answer(&msg, &answered) == DP_RC_SUCCESS)
+ *         printf("refused: %s\n", dp_opcode_name(answered));
  */
 int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_SIZED(dp_read_answer);
 
@@ -137,11 +123,9 @@ int dp_read_answer(const struct protocol_msg *msg, unsigned char *answered) DP_S
  * Reads from a request to move where to; the floats, copied bit by bit, may be NaNs. Returns `DP_RC_SUCCESS`, or
  * `DP_RC_ERROR_GENERIC`, target left as it was, when msg is no such request or not 12 bytes long, or a pointer is NULL.
  *
- * ```c
- * struct protocol_msg_position target;
- * if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
- *     motors_move(target.DA, target.DB, target.DC);
- * ```
+ *     struct protocol_msg_position target;
+ *     if (dp_read_move(&msg, &target) == DP_RC_SUCCESS)
+ *         motors_move(target.DA, target.DB, target.DC);
  */
 int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *target) DP_SIZED(dp_read_move);
 
@@ -152,11 +136,9 @@ int dp_read_move(const struct protocol_msg *msg, struct protocol_msg_position *t
  * Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC`, report left as it was, when msg is no status report or of a
  * length that the layout does not have, the layout is none of these, or a pointer is NULL.
  *
- * ```c
- * struct protocol_msg_status_report report;
- * if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
- *     is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
- * ```
+ *     struct protocol_msg_status_report report;
+ *     if (dp_read_status_report(&msg, DP_LAYOUT_AUTO, &report) == DP_RC_SUCCESS)
+ *         is_idle = (report.STAT & DP_BIT_STAT_STATUS_BITS) == DP_STATUS_IDLE;
  */
 int dp_read_status_report(const struct protocol_msg *msg, int layout, struct protocol_msg_status_report *report)
     DP_SIZED(dp_read_status_report);
@@ -165,9 +147,7 @@ int dp_read_status_report(const struct protocol_msg *msg, int layout, struct pro
  * Returns the name of an opcode for logs, a string that lives as long as the program: `ACK`, `NACK`, `HOMING!`,
  * `STATUS?`, `MOVE!`, `CANCEL!`, `HOMING_REPLY`, `STATUS_REPLY`, `MOVE_REPLY`, `GENERAL_ERROR` or `UNKNOWN_OPCODE`.
  *
- * ```c
- * printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
- * ```
+ *     printf("%s, %d bytes\n", dp_opcode_name(msg.opcode), msg.data_s);
  */
 const char *dp_opcode_name(unsigned char opcode);
 
@@ -181,11 +161,9 @@ const char *dp_opcode_name(unsigned char opcode);
  * Returns the length of the whole text without the zero byte, or -`DP_RC_ERROR_GENERIC` when msg is NULL, cap is
  * negative, or buf is NULL and cap is not 0.
  *
- * ```c
- * char text[DP_MSG_TEXT_MAX];
- * if (dp_msg_format(&msg, text, sizeof text) > 0)
- *     puts(text);
- * ```
+ *     char text[DP_MSG_TEXT_MAX];
+ *     if (dp_msg_format(&msg, text, sizeof text) > 0)
+ *         puts(text);
  */
 int dp_msg_format(const struct protocol_msg *msg, char *buf, int cap) DP_SIZED(dp_msg_format);
 

@@ -121,12 +121,10 @@ struct protocol_msg {
  * Writes a whole frame of bytes bytes somewhere; usr is what `dp_send` was given. `dp_send` returns its result.
  * The frame may be changed, and is gone when the function returns.
  *
- * ```c
- * int uart_send(void *buf, int bytes, void *usr)
- * {
- *     return uart_write((struct uart *)usr, buf, bytes) == bytes ? 0 : -1;
- * }
- * ```
+ *     int uart_send(void *buf, int bytes, void *usr)
+ *     {
+ *         return uart_write((struct uart *)usr, buf, bytes) == bytes ? 0 : -1;
+ *     }
  */
 typedef int (*send_func_t)(void *buf, int bytes, void *usr);
 
@@ -164,11 +162,9 @@ struct protocol_msg_position {
  * Returns `DP_RC_SUCCESS`, `DP_RC_OVERFLOW` when bytes were lost, or `DP_RC_ERROR_GENERIC` when data is NULL, bytes is
  * negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
- *     ++losses;
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     if (dp_process(&ring, in, got) == DP_RC_OVERFLOW)
+ *         ++losses;
  */
 int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED(dp_process);
 
@@ -182,11 +178,9 @@ int dp_process(struct protocol_data *data, void *buf, int bytes) DP_SIZED(dp_pro
  * needed and some were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL. Without a message, only `opcode`
  * is set, to 0xFF.
  *
- * ```c
- * struct protocol_msg msg;
- * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
- *     handle(&msg);
- * ```
+ *     struct protocol_msg msg;
+ *     while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *         handle(&msg);
  */
 int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_recv);
 
@@ -196,11 +190,9 @@ int dp_recv(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_re
  * Returns what sendfunc returned, or `DP_RC_ERROR_GENERIC` without calling it when msg or sendfunc is NULL or `data_s`
  * is outside 0 to `DP_DATA_MAX_SIZE`.
  *
- * ```c
- * msg.opcode = DP_OPCODE_HOMING;
- * msg.data_s = 0;
- * dp_send(&msg, uart_send, &uart);
- * ```
+ *     msg.opcode = DP_OPCODE_HOMING;
+ *     msg.data_s = 0;
+ *     dp_send(&msg, uart_send, &uart);
  */
 int dp_send(struct protocol_msg *msg, send_func_t sendfunc, void *usr) DP_SIZED(dp_send);
 

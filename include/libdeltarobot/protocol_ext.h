@@ -35,13 +35,11 @@ extern "C" {
 /**
  * Receives a message from `dp_process_each`, gone when this returns, and that one's usr. Any result but 0 stops it.
  *
- * ```c
- * int on_msg(const struct protocol_msg *msg, void *usr)
- * {
- *     handle(msg);
- *     return 0;
- * }
- * ```
+ *     int on_msg(const struct protocol_msg *msg, void *usr)
+ *     {
+ *         handle(msg);
+ *         return 0;
+ *     }
  */
 typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
 
@@ -55,10 +53,8 @@ typedef int (*dp_msg_func_t)(const struct protocol_msg *msg, void *usr);
  * rest to the next call, which goes on with the next message. Returns -`DP_RC_ERROR_GENERIC` when data or `on_msg` is
  * NULL, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * dp_process_each(&ring, in, got, on_msg, NULL);
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     dp_process_each(&ring, in, got, on_msg, NULL);
  */
 int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
     DP_SIZED(dp_process_each);
@@ -72,11 +68,9 @@ int dp_process_each(struct protocol_data *data, const void *buf, int bytes, dp_m
  * `DP_RC_NO_FRAME` when it was empty before, or `DP_RC_ERROR_GENERIC` when a pointer is NULL; sets `opcode` as
  * `dp_recv` does.
  *
- * ```c
- * if (now_ms() - heard_at >= 10)
- *     while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
- *         handle(&msg);
- * ```
+ *     if (now_ms() - heard_at >= 10)
+ *         while (dp_recv_idle(&ring, &msg) == DP_RC_SUCCESS)
+ *             handle(&msg);
  */
 int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(dp_recv_idle);
 
@@ -84,10 +78,8 @@ int dp_recv_idle(struct protocol_data *data, struct protocol_msg *msg) DP_SIZED(
  * Makes an empty ring of any memory, as setting it to zero does; the library's safety never needs that. Returns
  * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when data is NULL.
  *
- * ```c
- * struct protocol_data ring;
- * dp_init(&ring);
- * ```
+ *     struct protocol_data ring;
+ *     dp_init(&ring);
  */
 int dp_init(struct protocol_data *data) DP_SIZED(dp_init);
 
@@ -95,10 +87,8 @@ int dp_init(struct protocol_data *data) DP_SIZED(dp_init);
  * Returns the library's version, e.g. "1.0.0", a string that lives as long as the program: compare it with the
  * header's, `DP_VERSION_STRING`.
  *
- * ```c
- * if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
- *     printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
- * ```
+ *     if (strcmp(dp_version(), DP_VERSION_STRING) != 0)
+ *         printf("compiled for libdeltarobot %s, running with %s\n", DP_VERSION_STRING, dp_version());
  */
 const char *dp_version(void);
 

@@ -17,9 +17,7 @@ namespace deltarobot {
 /**
  * The opcode's name, e.g. "MOVE!"; "UNKNOWN_OPCODE" for others. The string lives as long as the program.
  *
- * ```cpp
- * std::cout << deltarobot::protocol_opcode_to_str(msg.opcode) << '\n';
- * ```
+ *     std::cout << deltarobot::protocol_opcode_to_str(msg.opcode) << '\n';
  */
 inline const char *protocol_opcode_to_str(unsigned char opcode)
 {
@@ -31,10 +29,8 @@ inline const char *protocol_opcode_to_str(unsigned char opcode)
  * 13 bytes are read with the floats first, as the original does; dp_msg_format finds out which layout they have. Throws
  * nothing but what std::string does when there is no memory: not for interrupts.
  *
- * ```cpp
- * while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
- *     std::cout << deltarobot::protocol_msg_to_str(&msg) << '\n';
- * ```
+ *     while (dp_recv(&ring, &msg) == DP_RC_SUCCESS)
+ *         std::cout << deltarobot::protocol_msg_to_str(&msg) << '\n';
  */
 inline std::string protocol_msg_to_str(const protocol_msg *msg)
 {

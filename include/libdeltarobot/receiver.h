@@ -6,13 +6,11 @@
  * Each byte from the line is stored, in an interrupt if need be; what it means is found out later, where messages are
  * fetched:
  *
- * ```c
- * struct protocol_msg msg;
+ *     struct protocol_msg msg;
  *
- * if (dp_receiver_byte(&receiver, byte))
- *     while (dp_receiver_next(&receiver, &msg) == DP_RC_SUCCESS)
- *         handle(&msg);
- * ```
+ *     if (dp_receiver_byte(&receiver, byte))
+ *         while (dp_receiver_next(&receiver, &msg) == DP_RC_SUCCESS)
+ *             handle(&msg);
  *
  * Every intact frame is found, as `dp_recv` finds it: behind a byte that begins none, the search goes on with the next
  * one; what may become a frame is waited for.
@@ -52,10 +50,8 @@ struct dp_receiver {
  * Makes an empty receiver of any memory, as setting it to zero does; the library's safety never needs that. Returns
  * `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` when receiver is NULL.
  *
- * ```c
- * struct dp_receiver receiver;
- * dp_receiver_init(&receiver);
- * ```
+ *     struct dp_receiver receiver;
+ *     dp_receiver_init(&receiver);
  */
 int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED(dp_receiver_init);
 
@@ -67,10 +63,8 @@ int dp_receiver_init(struct dp_receiver *receiver) DP_SIZED(dp_receiver_init);
  * as long as there is room. When there is none, -`DP_RC_OVERFLOW` is returned and the byte is not taken: call
  * `dp_receiver_next`, then give it again. Returns -`DP_RC_ERROR_GENERIC` when receiver is NULL.
  *
- * ```c
- * if (dp_receiver_byte(&receiver, byte))
- *     fetch = 1;
- * ```
+ *     if (dp_receiver_byte(&receiver, byte))
+ *         fetch = 1;
  */
 int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(dp_receiver_byte);
 
@@ -81,11 +75,9 @@ int dp_receiver_byte(struct dp_receiver *receiver, unsigned char byte) DP_SIZED(
  * needed and some that can't be part of a frame were thrown away, or `DP_RC_ERROR_GENERIC` when a pointer is NULL.
  * Without a message, `opcode` is set to 0xFF and the rest of msg is left as it was.
  *
- * ```c
- * struct protocol_msg msg;
- * while (dp_receiver_next(&receiver, &msg) == DP_RC_SUCCESS)
- *     handle(&msg);
- * ```
+ *     struct protocol_msg msg;
+ *     while (dp_receiver_next(&receiver, &msg) == DP_RC_SUCCESS)
+ *         handle(&msg);
  */
 int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_next);
 
@@ -95,11 +87,9 @@ int dp_receiver_next(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  *
  * Returns what `dp_recv_idle` does.
  *
- * ```c
- * if (now_ms() - heard_at >= 10)
- *     while (dp_receiver_idle(&receiver, &msg) == DP_RC_SUCCESS)
- *         handle(&msg);
- * ```
+ *     if (now_ms() - heard_at >= 10)
+ *         while (dp_receiver_idle(&receiver, &msg) == DP_RC_SUCCESS)
+ *             handle(&msg);
  */
 int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_SIZED(dp_receiver_idle);
 
@@ -109,10 +99,8 @@ int dp_receiver_idle(struct dp_receiver *receiver, struct protocol_msg *msg) DP_
  *
  * Returns what `dp_process_each` does, receiver in place of data.
  *
- * ```c
- * int got = uart_read(&uart, in, sizeof in);
- * dp_receiver_each(&receiver, in, got, on_msg, NULL);
- * ```
+ *     int got = uart_read(&uart, in, sizeof in);
+ *     dp_receiver_each(&receiver, in, got, on_msg, NULL);
  */
 int dp_receiver_each(struct dp_receiver *receiver, const void *buf, int bytes, dp_msg_func_t on_msg, void *usr)
     DP_SIZED(dp_receiver_each);

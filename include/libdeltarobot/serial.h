@@ -2,18 +2,16 @@
  * @file
  * libdeltarobot/serial.h: the serial port, on Unix and Windows. Not in libraries for bare metal.
  *
- * ```c
- * struct dp_serial port;
- * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) == DP_RC_SUCCESS) {
- *     int got;
- *     dp_send(&msg, dp_serial_send, &port);
- *     while ((got = dp_serial_read(&port, in, sizeof in, 100)) > 0)
- *         dp_process(&ring, in, got);
- * }
- * if (*dp_serial_error(&port) != '\0')
- *     fprintf(stderr, "%s\n", dp_serial_error(&port));
- * dp_serial_close(&port);
- * ```
+ *     struct dp_serial port;
+ *     if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) == DP_RC_SUCCESS) {
+ *         int got;
+ *         dp_send(&msg, dp_serial_send, &port);
+ *         while ((got = dp_serial_read(&port, in, sizeof in, 100)) > 0)
+ *             dp_process(&ring, in, got);
+ *     }
+ *     if (*dp_serial_error(&port) != '\0')
+ *         fprintf(stderr, "%s\n", dp_serial_error(&port));
+ *     dp_serial_close(&port);
  *
  * Rules for pointers, threads, callbacks and times: libdeltarobot/abi.h.
  * Generated from src/serial.rs by `make header`.
@@ -76,22 +74,18 @@ struct dp_serial_settings {
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when that was not possible, or `DP_RC_ERROR_GENERIC` when serial or device
  * is NULL. Unless it succeeded, the port is closed.
  *
- * ```c
- * if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
- *     fprintf(stderr, "%s\n", dp_serial_error(&port));
- * ```
+ *     if (dp_serial_open(&port, "/dev/ttyUSB0", DP_SERIAL_BAUD) != DP_RC_SUCCESS)
+ *         fprintf(stderr, "%s\n", dp_serial_error(&port));
  */
 int dp_serial_open(struct dp_serial *serial, const char *device, unsigned long baud);
 
 /**
  * Like `dp_serial_open`, with more settings. NULL stands for settings that are all zero.
  *
- * ```c
- * struct dp_serial_settings settings = {0};
- * settings.baud = 250000;
- * settings.keep_lines = 1;
- * dp_serial_open_with(&port, "/dev/ttyACM0", &settings);
- * ```
+ *     struct dp_serial_settings settings = {0};
+ *     settings.baud = 250000;
+ *     settings.keep_lines = 1;
+ *     dp_serial_open_with(&port, "/dev/ttyACM0", &settings);
  */
 int dp_serial_open_with(struct dp_serial *serial, const char *device, const struct dp_serial_settings *settings);
 
@@ -103,11 +97,9 @@ int dp_serial_open_with(struct dp_serial *serial, const char *device, const stru
  * received before that is read first); -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, cap is negative, or buf
  * is NULL and cap is not 0.
  *
- * ```c
- * int got = dp_serial_read(&port, in, sizeof in, 100);
- * if (got > 0)
- *     dp_process(&ring, in, got);
- * ```
+ *     int got = dp_serial_read(&port, in, sizeof in, 100);
+ *     if (got > 0)
+ *         dp_process(&ring, in, got);
  */
 int dp_serial_read(struct dp_serial *serial, void *buf, int cap, long timeout_ms);
 
@@ -118,11 +110,9 @@ int dp_serial_read(struct dp_serial *serial, void *buf, int cap, long timeout_ms
  * has disappeared; -`DP_RC_ERROR_GENERIC` when serial is NULL or closed, bytes is negative, or buf is NULL and bytes
  * is not 0.
  *
- * ```c
- * int written = dp_serial_write(&port, out, length, 1000);
- * if (written >= 0 && written < length)
- *     puts("nobody reads at the other end");
- * ```
+ *     int written = dp_serial_write(&port, out, length, 1000);
+ *     if (written >= 0 && written < length)
+ *         puts("nobody reads at the other end");
  */
 int dp_serial_write(struct dp_serial *serial, const void *buf, int bytes, long timeout_ms);
 
@@ -132,10 +122,8 @@ int dp_serial_write(struct dp_serial *serial, const void *buf, int bytes, long t
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared or did not take all of them in time, or
  * `DP_RC_ERROR_GENERIC` when usr is NULL or closed, bytes is negative, or buf is NULL and bytes is not 0.
  *
- * ```c
- * if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
- *     fprintf(stderr, "%s\n", dp_serial_error(&port));
- * ```
+ *     if (dp_send(&msg, dp_serial_send, &port) != DP_RC_SUCCESS)
+ *         fprintf(stderr, "%s\n", dp_serial_error(&port));
  */
 int dp_serial_send(void *buf, int bytes, void *usr);
 
@@ -145,21 +133,17 @@ int dp_serial_send(void *buf, int bytes, void *usr);
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when the device has disappeared, or `DP_RC_ERROR_GENERIC` when serial is
  * NULL or closed.
  *
- * ```c
- * dp_serial_send(out, length, &port);
- * if (dp_serial_drain(&port) == DP_RC_SUCCESS)
- *     sent_at = now_ms();
- * ```
+ *     dp_serial_send(out, length, &port);
+ *     if (dp_serial_drain(&port) == DP_RC_SUCCESS)
+ *         sent_at = now_ms();
  */
 int dp_serial_drain(struct dp_serial *serial);
 
 /**
  * Discards what was received and not read. Returns what `dp_serial_drain` does.
  *
- * ```c
- * if (dp_serial_discard(&port) == DP_RC_SUCCESS)
- *     memset(&ring, 0, sizeof ring);
- * ```
+ *     if (dp_serial_discard(&port) == DP_RC_SUCCESS)
+ *         memset(&ring, 0, sizeof ring);
  */
 int dp_serial_discard(struct dp_serial *serial);
 
@@ -169,20 +153,16 @@ int dp_serial_discard(struct dp_serial *serial);
  * Returns `DP_RC_SUCCESS`, `DP_RC_DEVICE` when there is no such line, as in a pseudo-terminal, or the device has
  * disappeared, or `DP_RC_ERROR_GENERIC` when serial is NULL or closed.
  *
- * ```c
- * dp_serial_set_dtr(&port, 0);
- * dp_serial_read(&port, in, sizeof in, 100);
- * dp_serial_set_dtr(&port, 1);
- * ```
+ *     dp_serial_set_dtr(&port, 0);
+ *     dp_serial_read(&port, in, sizeof in, 100);
+ *     dp_serial_set_dtr(&port, 1);
  */
 int dp_serial_set_dtr(struct dp_serial *serial, int on);
 
 /**
  * Sets RTS, as `dp_serial_set_dtr` sets DTR.
  *
- * ```c
- * dp_serial_set_rts(&port, DP_SERIAL_OFF);
- * ```
+ *     dp_serial_set_rts(&port, DP_SERIAL_OFF);
  */
 int dp_serial_set_rts(struct dp_serial *serial, int on);
 
@@ -190,19 +170,15 @@ int dp_serial_set_rts(struct dp_serial *serial, int on);
  * Returns the file descriptor, which is set to `O_NONBLOCK`, for poll(2) or select(2), in Windows the `HANDLE` as an
  * int; or -1 when serial is NULL or closed.
  *
- * ```c
- * int fd = dp_serial_handle(&port);
- * ```
+ *     int fd = dp_serial_handle(&port);
  */
 int dp_serial_handle(const struct dp_serial *serial);
 
 /**
  * Closes it, if it is open. What was written is still sent. Returns `DP_RC_SUCCESS`, or `DP_RC_ERROR_GENERIC` for NULL.
  *
- * ```c
- * dp_serial_drain(&port);
- * dp_serial_close(&port);
- * ```
+ *     dp_serial_drain(&port);
+ *     dp_serial_close(&port);
  */
 int dp_serial_close(struct dp_serial *serial);
 
@@ -210,10 +186,8 @@ int dp_serial_close(struct dp_serial *serial);
  * Returns the device's name and what went wrong with it last, such as `/dev/ttyUSB0: in use by another program`: a
  * string that lives and changes with the port, empty when nothing did since it was opened or serial is NULL.
  *
- * ```c
- * if (dp_serial_read(&port, in, sizeof in, 100) < 0)
- *     fprintf(stderr, "%s\n", dp_serial_error(&port));
- * ```
+ *     if (dp_serial_read(&port, in, sizeof in, 100) < 0)
+ *         fprintf(stderr, "%s\n", dp_serial_error(&port));
  */
 const char *dp_serial_error(const struct dp_serial *serial);
 

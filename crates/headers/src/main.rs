@@ -179,7 +179,7 @@ impl Header {
         // cbindgen's own guard and its extern "C" are no C89.
         write!(text, "#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{declarations}\n")?;
         text += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
-        Ok(text)
+        Ok(tidy::indent_code(&text))
     }
 }
 

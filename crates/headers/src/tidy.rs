@@ -27,6 +27,19 @@ pub(crate) fn tidy(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
+/// Makes indented code, as C's comments have it, of the fenced code of Rust's.
+pub(crate) fn indent_code(text: &str) -> String {
+    let (mut indented, mut is_code) = (String::new(), false);
+    for line in text.split_inclusive('\n') {
+        if line.starts_with(" * ```") {
+            is_code = !is_code;
+        } else {
+            indented += &if is_code { line.replacen("* ", "*     ", 1) } else { line.into() };
+        }
+    }
+    indented
+}
+
 /// A comment that begins with this line, with its end.
 fn comment<'a>(first: &str, rest: &mut impl Iterator<Item = &'a str>) -> String {
     let indent = first.len() - first.trim_start().len();
