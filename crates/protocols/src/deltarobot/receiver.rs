@@ -216,7 +216,9 @@ impl<const ROOM: usize> Receiver<ROOM> {
                     self.last.set::<ROOM>(bytes.wrapping_sub(1));
                     return Err(none);
                 }
-                Verdict::Fault(fault) => *input = behind_fault(input, fault, observer),
+                Verdict::Fault(fault) => {
+                    *input = input.get(pass_over(input, fault, observer)..).unwrap_or_default();
+                }
             }
             none = NoFrame::Garbage;
         }
@@ -227,16 +229,16 @@ impl<const ROOM: usize> Receiver<ROOM> {
     fn look(&mut self, idle: bool, observer: &mut impl Observer) -> Result<Found, NoFrame> {
         let mut none = NoFrame::Waiting;
         let have = self.have.get::<ROOM>();
-        // Fields out of range are those of an empty receiver.
-        let mut unread = self.buffer.get(self.at.get::<ROOM>()..have).unwrap_or_default();
+        let mut at = self.at.get::<ROOM>();
         let needed = loop {
+            // Fields out of range are those of an empty receiver.
+            let unread = self.buffer.get(at..have).unwrap_or_default();
             if unread.is_empty() {
                 self.clear();
                 return Err(none);
             }
             let fault = match judge(unread, Self::LONGEST) {
                 Verdict::Frame { opcode, length } => {
-                    let at = have.wrapping_sub(unread.len());
                     if unread.len() == length.wrapping_add(FRAME_OVERHEAD) {
                         self.clear();
                     } else {
@@ -249,10 +251,10 @@ impl<const ROOM: usize> Receiver<ROOM> {
                 Verdict::Needs(_) => Fault::Start,
                 Verdict::Fault(fault) => fault,
             };
-            unread = behind_fault(unread, fault, observer);
+            at = at.wrapping_add(pass_over(unread, fault, observer));
             none = NoFrame::Garbage;
         };
-        self.wait_at(have.wrapping_sub(unread.len()), needed);
+        self.wait_at(at, needed);
         Err(none)
     }
 
@@ -308,20 +310,16 @@ impl<const ROOM: usize> Default for Receiver<ROOM> {
     }
 }
 
-/// What stands behind bytes that can't be part of a frame, where the first begins none: what the next start begins.
+/// How many bytes are no part of a frame, where the first begins none: the next start is behind them.
 #[inline(always)]
-fn behind_fault<'a>(bytes: &'a [u8], fault: Fault, observer: &mut impl Observer) -> &'a [u8] {
+fn pass_over(bytes: &[u8], fault: Fault, observer: &mut impl Observer) -> usize {
     if fault == Fault::Checksum {
         observer.bad_checksum();
     }
-    let mut rest = bytes.get(1..).unwrap_or_default();
-    while let [first, behind @ ..] = rest
-        && *first != FRAME_START
-    {
-        rest = behind;
-    }
-    observer.skipped(bytes.len().wrapping_sub(rest.len()));
-    rest
+    let rest = bytes.get(1..).unwrap_or_default();
+    let skipped = rest.iter().position(|byte| *byte == FRAME_START).unwrap_or(rest.len()).wrapping_add(1);
+    observer.skipped(skipped);
+    skipped
 }
 
 /// A place in the buffer or a number of bytes in it. Where one byte holds all of them, the high one is left alone: two
