@@ -61,7 +61,7 @@ impl Item {
             if code.is_some() && !inside {
                 examples.push((line, String::new()));
             }
-            // So are empty lines in them.
+            // Empty lines between lines of code belong to it.
             inside = code.is_some() || inside && text.is_empty();
             if inside {
                 writeln!(examples.last_mut().unwrap().1, "{}", code.unwrap_or_default()).unwrap();

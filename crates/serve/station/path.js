@@ -27,8 +27,6 @@ export class PathPanel {
     this.checked = null;
     /** @type {Vec[]} */
     this.reached = [];
-    /** Whether more was reached than is drawn. */
-    this.isLonger = false;
     const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {() => void} */ act, attributes = {}) => {
       const made = make('button', { type: 'button', id, ...attributes }, text);
       made.addEventListener('click', () => { if (usable(made)) act(); });
@@ -205,11 +203,10 @@ export class PathPanel {
     }
   }
 
-  /** @param {Vec} pose where the tool was while the path ran */
+  /** To be drawn by the next update. @param {Vec} pose where the tool was while the path ran */
   addReached(pose) {
     if (this.robot()?.state.path?.state !== 'running' || this.reached.length >= 20_000) return;
     this.reached.push(pose);
-    this.isLonger = true;
   }
 
   draw() {
@@ -231,17 +228,16 @@ export class PathPanel {
     this.group.add(this.reachedLine);
   }
 
-  /** What is drawn, in kinds and points: for the tests. */
+  /** What is drawn, in kinds and points. */
   drawn() {
     const count = (/** @type {string} */ kind) => this.checked?.strokes.filter((stroke) => stroke.kind === kind).length ?? 0;
-    return { wanted: count('wanted'), unreachable: count('unreachable'), reached: this.reached.length };
+    return { wanted: count('wanted'), unreachable: count('unreachable'), reached: this.reachedLine?.geometry.getAttribute('position').count ?? 0 };
   }
 
   update() {
     const state = this.robot()?.state;
     if (!state) return;
-    if (this.isLonger && this.reachedLine) {
-      this.isLonger = false;
+    if (this.reachedLine && this.drawn().reached < this.reached.length) {
       this.reachedLine.geometry.dispose();
       this.reachedLine.geometry = path(this.reached);
       this.scene.wanted = true;

@@ -310,7 +310,7 @@ impl<const ROOM: usize> Default for Receiver<ROOM> {
     }
 }
 
-/// How many bytes are no part of a frame, where the first begins none: the next start is behind them.
+/// How many bytes to pass over where the first begins no frame: those up to the next start.
 #[inline(always)]
 fn pass_over(bytes: &[u8], fault: Fault, observer: &mut impl Observer) -> usize {
     if fault == Fault::Checksum {
